@@ -1,0 +1,1 @@
+//! Planar biped: rigid-body dynamics, foot contact, force envelope, the gait problem.

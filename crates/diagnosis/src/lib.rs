@@ -1,0 +1,1 @@
+//! What a simulation gets wrong in a campaign, why, and what an extended model gains.

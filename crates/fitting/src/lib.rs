@@ -1,0 +1,1 @@
+//! Least squares, noise models and identifiability: knows residuals and parameters, not friction.

@@ -1,0 +1,1 @@
+//! Laws of friction and normal contact: pure functions of state and speed, generic over the scalar.

@@ -1,0 +1,1 @@
+//! An independent simulator of the rig that hides effects in synthetic campaigns.

@@ -1,0 +1,2 @@
+//! Writes the stand-in campaigns.
+fn main() {}

@@ -1,0 +1,1 @@
+//! Tests that drive the program as a user does; see the test files beside this package.
