@@ -1,6 +1,7 @@
 //! The page: a document becomes one HTML file.
 
-use minijinja::{Environment, UndefinedBehavior, Value, context};
+use minijinja::value::Serde;
+use minijinja::{Environment, UndefinedBehavior, context};
 
 use crate::{Document, Error};
 
@@ -14,5 +15,5 @@ pub fn render(document: &Document) -> Result<String, Error> {
     environment.add_template("page.html", include_str!("../../../report/page.html"))?;
     Ok(environment
         .get_template("page.html")?
-        .render(context! { document => Value::serialize(document) })?)
+        .render(context! { document => Serde(document) })?)
 }
