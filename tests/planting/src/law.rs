@@ -1,0 +1,180 @@
+//! Laws of friction that the planted rigs obey, written from the equations of the paper and of their authors.
+//!
+//! Each law has one inner state (z: bristle rotation in rad, or deflection in m or rad), a rate and a coefficient
+//! (friction over load; the friction itself, N or N m, on a rig without a load channel).
+
+use serde::{Deserialize, Serialize};
+
+/// The asymmetric bristle (E3-E7): symmetric where `theta0_rad` is zero.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Bristle {
+    /// sigma in the paper's own parametrisation (only theta_c/sigma and theta_s/sigma matter).
+    pub sigma: f64,
+    /// Level of g at speed.
+    pub theta_c: f64,
+    /// Level of g at rest.
+    pub theta_s: f64,
+    /// Angular rate at which g has fallen to 1/e, rad/s.
+    pub w_sc: f64,
+    /// Stiffness coefficient, 1/rad.
+    pub sigma0: f64,
+    /// Damping coefficient, s.
+    pub sigma1: f64,
+    /// Viscous coefficient, s.
+    pub sigma2: f64,
+    /// Lean of the bristles, rad.
+    pub theta0_rad: f64,
+    /// Height of the root above the counterface, m.
+    pub height_m: f64,
+}
+
+/// Deflection laws with a Stribeck curve; `stiffness` 1/m (or 1/rad), levels without unit (or N, N m).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Deflection {
+    /// Slope of friction over deflection.
+    pub stiffness: f64,
+    /// Damping of the deflection, s/m.
+    pub damping: f64,
+    /// Viscous coefficient, s/m.
+    pub viscous: f64,
+    /// Coulomb level.
+    pub coulomb: f64,
+    /// Level at rest.
+    pub breakaway: f64,
+    /// Stribeck speed, m/s.
+    pub stribeck_speed: f64,
+}
+
+/// A law of friction.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Law {
+    /// E3-E7.
+    AsymmetricBristle(Bristle),
+    /// Canudas de Wit, Olsson, Astrom, Lischinsky (1995).
+    Lugre(Deflection),
+    /// Dahl (1968): `coulomb` and `stiffness` only.
+    Dahl(Deflection),
+    /// Static Stribeck curve with viscous friction.
+    Stribeck(Deflection),
+    /// Coulomb and viscous friction: `coulomb` and `viscous` only.
+    CoulombViscous(Deflection),
+}
+
+/// What the surroundings do to the law at this moment.
+#[derive(Clone, Copy, Debug)]
+pub struct Surroundings {
+    /// Added to the lean, rad.
+    pub lean_rad: f64,
+    /// Factor on the level at rest.
+    pub breakaway_factor: f64,
+    /// Added to the exponent 2 of the Stribeck curve.
+    pub exponent_minus_2: f64,
+    /// Speed that the Stribeck curve sees, if it is not the slip speed.
+    pub remembered_speed: Option<f64>,
+    /// Factors on Coulomb and viscous parts while sliding in reverse (forward they are one).
+    pub reverse_factors: (f64, f64),
+}
+
+impl Surroundings {
+    /// Nothing unusual.
+    pub const PLAIN: Self = Self {
+        lean_rad: 0.0,
+        breakaway_factor: 1.0,
+        exponent_minus_2: 0.0,
+        remembered_speed: None,
+        reverse_factors: (1.0, 1.0),
+    };
+}
+
+fn stribeck(ratio: f64, exponent_minus_2: f64) -> f64 {
+    (-ratio.abs().powf(2.0 + exponent_minus_2)).exp()
+}
+
+impl Law {
+    /// Short name as in the program's documents.
+    pub fn id(&self) -> &'static str {
+        match self {
+            Self::AsymmetricBristle(bristle) if bristle.theta0_rad == 0.0 => "symmetric-bristle",
+            Self::AsymmetricBristle(_) => "asymmetric-bristle",
+            Self::Lugre(_) => "lugre",
+            Self::Dahl(_) => "dahl",
+            Self::Stribeck(_) => "stribeck",
+            Self::CoulombViscous(_) => "coulomb-viscous",
+        }
+    }
+
+    /// (rate of the inner state, coefficient) at inner state `z` and slip speed `v`.
+    pub fn evaluate(&self, z: f64, v: f64, around: &Surroundings) -> (f64, f64) {
+        let (coulomb_factor, viscous_factor) = if v < 0.0 {
+            around.reverse_factors
+        } else {
+            (1.0, 1.0)
+        };
+        let seen = around.remembered_speed.unwrap_or(v);
+        match self {
+            Self::AsymmetricBristle(b) => {
+                // w = (v/h) cos^2(theta + theta0)                                   (E4)
+                let lean = b.theta0_rad + around.lean_rad;
+                let cos2 = (z + lean).cos().powi(2);
+                let w = v / b.height_m * cos2;
+                // g = theta_c + (theta_s - theta_c) exp(-|w/w_sc|^2)                (E5)
+                let rest = b.theta_s * around.breakaway_factor - b.theta_c;
+                let g = coulomb_factor
+                    * (b.theta_c
+                        + rest
+                            * stribeck(seen / b.height_m * cos2 / b.w_sc, around.exponent_minus_2));
+                // theta' = w - sigma |w| theta / g                                  (E3)
+                let rate = w - b.sigma * w.abs() * z / g;
+                // mu = (sigma0 theta + sigma1 theta' + sigma2 w) cos^2              (E7)
+                (
+                    rate,
+                    (b.sigma0 * z + b.sigma1 * rate + viscous_factor * b.sigma2 * w) * cos2,
+                )
+            }
+            Self::Lugre(d) => {
+                // z' = v - s0 |v| z / g,  F = s0 z + s1 z' + s2 v
+                let g = coulomb_factor * d.level(seen, around);
+                let rate = v - d.stiffness * v.abs() * z / g;
+                (
+                    rate,
+                    d.stiffness * z + d.damping * rate + viscous_factor * d.viscous * v,
+                )
+            }
+            Self::Dahl(d) => {
+                // z' = v (1 - s0 z sgn v / F_c),  F = s0 z
+                let rate = v - d.stiffness * v.abs() * z / (coulomb_factor * d.coulomb);
+                (rate, d.stiffness * z)
+            }
+            Self::Stribeck(d) => {
+                let level = coulomb_factor * d.level(seen, around);
+                (0.0, sign(v) * level + viscous_factor * d.viscous * v)
+            }
+            Self::CoulombViscous(d) => (
+                0.0,
+                sign(v) * coulomb_factor * d.coulomb + viscous_factor * d.viscous * v,
+            ),
+        }
+    }
+
+    /// Scale of the inner state, for tolerances: the deflection at which friction is fully built up.
+    pub fn state_scale(&self) -> f64 {
+        match self {
+            Self::AsymmetricBristle(b) => b.theta_c / b.sigma,
+            Self::Lugre(d) | Self::Dahl(d) => d.coulomb / d.stiffness,
+            Self::Stribeck(_) | Self::CoulombViscous(_) => 1.0,
+        }
+    }
+}
+
+impl Deflection {
+    fn level(&self, v: f64, around: &Surroundings) -> f64 {
+        self.coulomb
+            + (self.breakaway * around.breakaway_factor - self.coulomb)
+                * stribeck(v / self.stribeck_speed, around.exponent_minus_2)
+    }
+}
+
+fn sign(v: f64) -> f64 {
+    if v == 0.0 { 0.0 } else { v.signum() }
+}

@@ -1,0 +1,180 @@
+//! Motions of the stage: speed as a chain of linear pieces, positions by exact integration.
+
+/// One piece: the speed runs linearly from `v0` at `t0` to `v1` at `t1` (s, m/s or rad/s).
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Piece {
+    t0: f64,
+    t1: f64,
+    v0: f64,
+    v1: f64,
+    x0: f64,
+}
+
+/// A motion of the stage from t = 0; after its end the last speed is held, before its start it rests.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Motion {
+    pieces: Vec<Piece>,
+}
+
+impl Motion {
+    /// The motion through the points (time, speed), starting at time 0 and position 0.
+    ///
+    /// # Panics
+    /// If there are fewer than two points or times do not increase.
+    pub fn through(points: &[(f64, f64)]) -> Self {
+        assert!(points.len() >= 2, "a motion needs two points");
+        let mut pieces = Vec::new();
+        let mut x0 = 0.0;
+        for pair in points.windows(2) {
+            let [(t0, v0), (t1, v1)] = [pair[0], pair[1]];
+            assert!(t1 > t0, "times of a motion increase");
+            pieces.push(Piece { t0, t1, v0, v1, x0 });
+            x0 += 0.5 * (v0 + v1) * (t1 - t0);
+        }
+        Self { pieces }
+    }
+
+    /// End of the last piece, s.
+    pub fn duration_s(&self) -> f64 {
+        self.pieces.last().map_or(0.0, |piece| piece.t1)
+    }
+
+    fn piece(&self, time_s: f64) -> &Piece {
+        let index = self.pieces.partition_point(|piece| piece.t1 <= time_s);
+        &self.pieces[index.min(self.pieces.len() - 1)]
+    }
+
+    /// Speed at `time_s`.
+    pub fn speed(&self, time_s: f64) -> f64 {
+        let piece = self.piece(time_s);
+        let share = ((time_s - piece.t0) / (piece.t1 - piece.t0)).clamp(0.0, 1.0);
+        piece.v0 + share * (piece.v1 - piece.v0)
+    }
+
+    /// Speed at `time_s` taken from the piece that holds `inside_s`: one-sided values at a jump.
+    pub fn speed_within(&self, time_s: f64, inside_s: f64) -> f64 {
+        let piece = self.piece(inside_s);
+        let share = ((time_s - piece.t0) / (piece.t1 - piece.t0)).clamp(0.0, 1.0);
+        piece.v0 + share * (piece.v1 - piece.v0)
+    }
+
+    /// Acceleration at `time_s`.
+    pub fn acceleration(&self, time_s: f64) -> f64 {
+        let piece = self.piece(time_s);
+        if time_s >= self.duration_s() {
+            0.0
+        } else {
+            (piece.v1 - piece.v0) / (piece.t1 - piece.t0)
+        }
+    }
+
+    /// Distance from the start at `time_s`, signed.
+    pub fn position(&self, time_s: f64) -> f64 {
+        let piece = self.piece(time_s);
+        let since = (time_s.min(piece.t1) - piece.t0).max(0.0);
+        let slope = (piece.v1 - piece.v0) / (piece.t1 - piece.t0);
+        let held = (time_s - piece.t1).max(0.0) * piece.v1;
+        piece.x0 + since * (piece.v0 + 0.5 * slope * since) + held
+    }
+
+    /// Times where the speed has a kink, a jump or a change of sign, in order.
+    pub fn breakpoints(&self) -> Vec<f64> {
+        let mut times = Vec::new();
+        for piece in &self.pieces {
+            times.push(piece.t0);
+            if piece.v0 * piece.v1 < 0.0 {
+                times.push(piece.t0 + (piece.t1 - piece.t0) * piece.v0 / (piece.v0 - piece.v1));
+            }
+        }
+        times.push(self.duration_s());
+        times
+    }
+
+    /// The motion behind a play of width `gap`: after every reversal it rests until the gap is crossed.
+    ///
+    /// The play is taken up in the direction of the first motion.
+    pub fn behind_play(&self, gap: f64) -> Self {
+        let mut points: Vec<Piece> = Vec::new();
+        let mut x = 0.0;
+        let mut slack = 0.0; // distance still to cross before the follower moves
+        let mut heading = 0.0_f64; // direction in which the play is taken up
+        let mut push = |t0: f64, t1: f64, v0: f64, v1: f64, x: &mut f64| {
+            if t1 > t0 {
+                points.push(Piece {
+                    t0,
+                    t1,
+                    v0,
+                    v1,
+                    x0: *x,
+                });
+                *x += 0.5 * (v0 + v1) * (t1 - t0);
+            }
+        };
+        let edges = self.breakpoints();
+        for pair in edges.windows(2) {
+            let (t0, t1) = (pair[0], pair[1]);
+            let inside = 0.5 * (t0 + t1);
+            let (v0, v1) = (self.speed_within(t0, inside), self.speed_within(t1, inside));
+            let sign = (v0 + v1).signum() * f64::from((v0 + v1) != 0.0);
+            if sign == 0.0 {
+                push(t0, t1, 0.0, 0.0, &mut x);
+                continue;
+            }
+            if heading == 0.0 {
+                heading = sign;
+            } else if sign != heading {
+                slack = gap - slack;
+                heading = sign;
+            }
+            let travel = 0.5 * (v0 + v1).abs() * (t1 - t0);
+            if travel <= slack {
+                slack -= travel;
+                push(t0, t1, 0.0, 0.0, &mut x);
+                continue;
+            }
+            // Moment at which the gap is crossed: slack = |v0| u + a u^2 / 2 with a = (|v1| - |v0|)/(t1 - t0).
+            let a = (v1.abs() - v0.abs()) / (t1 - t0);
+            let u = if slack == 0.0 {
+                0.0
+            } else {
+                2.0 * slack / (v0.abs() + (v0 * v0 + 2.0 * a * slack).max(0.0).sqrt())
+            };
+            slack = 0.0;
+            let v = v0 + (v1 - v0) * u / (t1 - t0);
+            push(t0, t0 + u, 0.0, 0.0, &mut x);
+            push(t0 + u, t1, v, v1, &mut x);
+        }
+        Self { pieces: points }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ramp_covers_half_of_its_end_speed_times_its_duration() {
+        let ramp = Motion::through(&[(0.0, 0.0), (10.0, 0.06)]);
+        assert!((ramp.position(10.0) - 0.3).abs() < 1e-15);
+        assert!((ramp.speed(5.0) - 0.03).abs() < 1e-15);
+        assert!((ramp.acceleration(5.0) - 0.006).abs() < 1e-15);
+    }
+
+    /// A follower behind a play loses exactly one gap for each reversal.
+    #[test]
+    fn play_costs_one_gap_a_reversal() {
+        let there_and_back = Motion::through(&[
+            (0.0, 0.0),
+            (1.0, 0.02),
+            (2.0, -0.02),
+            (3.0, -0.02),
+            (4.0, 0.0),
+            (5.0, 0.01),
+        ]);
+        let behind = there_and_back.behind_play(1e-3);
+        let expected = there_and_back.position(5.0);
+        // One reversal loses +gap, the second gives it back.
+        assert!((behind.position(5.0) - expected).abs() < 1e-12);
+        assert!((behind.position(3.5) - (there_and_back.position(3.5) + 1e-3)).abs() < 1e-12);
+    }
+}
