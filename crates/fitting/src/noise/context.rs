@@ -1,0 +1,73 @@
+//! What the noise model must know of each sample, and the sizes of its parts.
+
+use std::ops::Range;
+
+/// Plain numbers a sample, stacked run after run.
+#[derive(Clone, Debug)]
+pub struct Context {
+    /// Samples of each run, in order, without gaps between them.
+    pub runs: Vec<Range<usize>>,
+    /// Distance slid since the start of the run, m (or rad), never decreasing within a run.
+    pub sliding: Vec<f64>,
+    /// Position on the plate, m (or rad).
+    pub place: Vec<f64>,
+    /// Signed friction force that roughness and scatter multiply, N (or N m, or 1 for mu).
+    pub scale: Vec<f64>,
+}
+
+/// Sizes of the parts of the noise, see (N1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sizes {
+    /// Standard deviation of the white sensor noise, in the unit of the data.
+    pub sensor: f64,
+    /// Relative standard deviation of the roughness private to a run.
+    pub private: f64,
+    /// Relative standard deviation of the roughness fixed to the plate.
+    pub plate: f64,
+    /// Correlation length of both roughnesses, m (or rad).
+    pub length: f64,
+    /// Relative standard deviation of the gain of a run.
+    pub scatter: f64,
+}
+
+impl Context {
+    /// Number of samples.
+    pub fn samples(&self) -> usize {
+        self.scale.len()
+    }
+
+    /// Lowest and highest plate position.
+    pub fn extent(&self) -> (f64, f64) {
+        self.place
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), &x| {
+                (lo.min(x), hi.max(x))
+            })
+    }
+
+    /// Share of the plate's occupied cells (a hundred of them) that at least two runs pass, or one run twice or more.
+    ///
+    /// Where this is zero the two roughnesses cannot be told apart.
+    pub fn shared_places(&self) -> f64 {
+        const CELLS: usize = 100;
+        let (lo, hi) = self.extent();
+        let width = (hi - lo) / CELLS as f64;
+        if !(width > 0.0) {
+            return 0.0;
+        }
+        let mut passes = [0_usize; CELLS];
+        for run in &self.runs {
+            let mut last = usize::MAX;
+            for i in run.clone() {
+                let cell = (((self.place[i] - lo) / width) as usize).min(CELLS - 1);
+                if cell != last {
+                    passes[cell] += 1;
+                    last = cell;
+                }
+            }
+        }
+        let occupied = passes.iter().filter(|&&p| p > 0).count();
+        let shared = passes.iter().filter(|&&p| p > 1).count();
+        shared as f64 / occupied.max(1) as f64
+    }
+}

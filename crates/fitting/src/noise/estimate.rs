@@ -1,0 +1,276 @@
+//! Estimating the sizes of the noise from residuals.
+//!
+//! First the roughness, its length and the sensor noise from what happens within runs (N3), a gain for every run being
+//! part of the mean; then, with these, the scatter between runs from what the mean leaves between runs (N2).
+
+use nalgebra::{DMatrix, DVector};
+
+use super::context::{Context, Sizes};
+use super::restricted::Criterion;
+use super::scatter::{ScatterEvidence, gain_columns};
+use super::search;
+use super::whitener::{NODES_PER_LENGTH, Whitener};
+
+/// What the caller knows besides the residuals.
+#[derive(Clone, Debug, Default)]
+pub struct EstimateOptions {
+    /// The sensor's stated accuracy, in the unit of the data: a start, and the least that is believed without repeats.
+    pub stated_sensor: Option<f64>,
+    /// Whether the campaign has repeats.
+    pub repeats: bool,
+    /// Sizes to start from (a former estimate on nearly the same data).
+    pub start: Option<Sizes>,
+    /// Whether the standard deviations of the sizes are wanted (they cost some thirty evaluations).
+    pub uncertainty: bool,
+}
+
+/// The sizes of a campaign's noise, and how well they are known.
+#[derive(Clone, Debug)]
+pub struct NoiseModel {
+    /// The estimates.
+    pub sizes: Sizes,
+    /// Standard deviations of the logarithms of sensor, private, plate and length (infinite: not determined; empty:
+    /// not asked for).
+    pub log_sd: Vec<f64>,
+    /// What the runs say about the scatter between them.
+    pub scatter: ScatterEvidence,
+    /// Whether runs pass the same places, so that the roughness fixed to the plate can be told from the private one.
+    pub plate_separable: bool,
+    /// Whether the campaign has repeats; without them scatter rests on the law being right.
+    pub repeats: bool,
+    /// Whether the search for the sizes converged.
+    pub converged: bool,
+    /// Evaluations of the restricted likelihood.
+    pub evaluations: usize,
+    /// -2 log restricted likelihood of what happens within runs.
+    pub deviance: f64,
+}
+
+/// Samples beyond which starts are compared on every other run only.
+const MANY: usize = 40_000;
+
+/// Estimates the noise from the residual of a fit and the Jacobian of its mean (n x p).
+///
+/// `within` are further columns (n x q, q may be 0) that may lie in the mean as far as the noise within runs is
+/// concerned, such as effects that are still being asked for.
+pub fn estimate(
+    context: &Context,
+    residual: &DVector<f64>,
+    jacobian: &DMatrix<f64>,
+    within: &DMatrix<f64>,
+    options: &EstimateOptions,
+) -> NoiseModel {
+    let n = context.samples();
+    let runs = context.runs.len();
+    let gains = if n * runs <= 50 * MANY {
+        gain_columns(context)
+    } else {
+        DMatrix::zeros(n, 0)
+    };
+    let (p, q) = (jacobian.ncols(), within.ncols());
+    let mut mean = jacobian
+        .clone()
+        .resize_horizontally(p + q + gains.ncols(), 0.0);
+    mean.view_mut((0, p), (n, q)).copy_from(within);
+    mean.view_mut((0, p + q), (n, gains.ncols()))
+        .copy_from(&gains);
+    let criterion = Criterion::new(context, &mean, residual);
+    let plate_separable = context.shared_places() > 0.05;
+    let frame = Frame::new(context, &criterion, options, plate_separable);
+
+    let mut start = frame.best_start(&criterion, options);
+    let mut evaluations = frame.starts;
+    let mut minimum = None;
+    for _ in 0..2 {
+        let spacing = frame.sizes(&start).length / NODES_PER_LENGTH;
+        let f = |x: &[f64]| criterion.value(&frame.sizes(x), spacing);
+        let found = search::minimise(&f, &start, &frame.bounds, 25);
+        evaluations += found.evaluations;
+        let moved = (found.point[LENGTH] - start[LENGTH]).abs();
+        start = found.point.clone();
+        minimum = Some(found);
+        // The grid's spacing follows the length: search again only where it moved far.
+        if moved < 0.7 {
+            break;
+        }
+    }
+    let minimum = minimum.expect("the search ran at least once");
+    let spacing = frame.sizes(&minimum.point).length / NODES_PER_LENGTH;
+    let log_sd = if options.uncertainty {
+        search::standard_deviations(
+            &|x: &[f64]| criterion.value(&frame.sizes(x), spacing),
+            &minimum.point,
+        )
+    } else {
+        Vec::new()
+    };
+    let mut sizes = frame.sizes(&minimum.point);
+    frame.drop_invisible(&criterion, &mut sizes, spacing, minimum.value);
+    if !options.repeats {
+        sizes.sensor = sizes.sensor.max(options.stated_sensor.unwrap_or(0.0));
+    }
+
+    let whitener = Whitener::new(context, &sizes);
+    let scatter = ScatterEvidence::new(
+        &whitener.whiten_columns(&gain_columns_limited(context)),
+        &whitener.whiten_columns(jacobian),
+        &whitener.whiten(residual),
+    );
+    sizes.scatter = scatter.estimate();
+    NoiseModel {
+        sizes,
+        log_sd,
+        scatter,
+        plate_separable,
+        repeats: options.repeats,
+        converged: minimum.converged,
+        evaluations,
+        deviance: minimum.value,
+    }
+}
+
+/// Gains of all runs, or for very many of 96 of them, evenly chosen.
+fn gain_columns_limited(context: &Context) -> DMatrix<f64> {
+    const MOST: usize = 96;
+    let runs = context.runs.len();
+    if runs <= MOST {
+        return gain_columns(context);
+    }
+    let mut gains = DMatrix::zeros(context.samples(), MOST);
+    for c in 0..MOST {
+        for i in context.runs[c * runs / MOST].clone() {
+            gains[(i, c)] = context.scale[i];
+        }
+    }
+    gains
+}
+
+/// Coordinates of the search: logarithms of sensor, private, plate, length.
+const SENSOR: usize = 0;
+const PRIVATE: usize = 1;
+const PLATE: usize = 2;
+const LENGTH: usize = 3;
+
+/// Scales and bounds of the search.
+struct Frame {
+    bounds: Vec<(f64, f64)>,
+    plate: bool,
+    relative: f64,
+    absolute: f64,
+    starts: usize,
+    lengths: (f64, f64),
+}
+
+impl Frame {
+    fn new(
+        context: &Context,
+        criterion: &Criterion<'_>,
+        options: &EstimateOptions,
+        plate: bool,
+    ) -> Self {
+        let absolute = criterion
+            .residual_rms()
+            .max(options.stated_sensor.unwrap_or(0.0) * 1e-2)
+            .max(1e-300);
+        let n = context.samples() as f64;
+        let scale_rms = (context.scale.iter().map(|f| f * f).sum::<f64>() / n).sqrt();
+        let relative = absolute / scale_rms.max(1e-300);
+        let (lo, hi) = context.extent();
+        let slid: f64 = context
+            .runs
+            .iter()
+            .map(|r| context.sliding[r.end - 1] - context.sliding[r.start])
+            .fold(0.0, f64::max);
+        let span = (hi - lo).max(slid).max(1e-9);
+        let step = slid / (n / context.runs.len() as f64);
+        let lengths = ((0.2 * step).max(span * 1e-4), span);
+        let bounds = vec![
+            ((absolute * 1e-5).ln(), (absolute * 4.0).ln()),
+            ((relative * 1e-4).ln(), (relative * 6.0).ln()),
+            ((relative * 1e-4).ln(), (relative * 6.0).ln()),
+            (lengths.0.ln(), lengths.1.ln()),
+        ];
+        Self {
+            bounds,
+            plate,
+            relative,
+            absolute,
+            starts: 0,
+            lengths,
+        }
+        .counting(options)
+    }
+
+    fn counting(mut self, options: &EstimateOptions) -> Self {
+        self.starts = if options.start.is_some() { 0 } else { 8 };
+        self
+    }
+
+    fn sizes(&self, x: &[f64]) -> Sizes {
+        Sizes {
+            sensor: x[SENSOR].exp(),
+            private: x[PRIVATE].exp(),
+            plate: if self.plate { x[PLATE].exp() } else { 0.0 },
+            length: x[LENGTH].exp(),
+            scatter: 0.0,
+        }
+    }
+
+    /// The former sizes, or the best of a coarse grid over length and share of the sensor noise.
+    fn best_start(&self, criterion: &Criterion<'_>, options: &EstimateOptions) -> Vec<f64> {
+        if let Some(s) = options.start {
+            let log = |x: f64, k: usize| {
+                let (lo, hi) = self.bounds[k];
+                x.max(f64::MIN_POSITIVE).ln().clamp(lo + 2.0, hi)
+            };
+            return vec![
+                log(s.sensor, SENSOR),
+                log(s.private, PRIVATE),
+                log(s.plate, PLATE),
+                s.length.ln().clamp(self.bounds[LENGTH].0, self.bounds[LENGTH].1),
+            ];
+        }
+        let (short, long) = self.lengths;
+        let mut best = (f64::INFINITY, Vec::new());
+        for i in 0..4 {
+            let length = (short * (0.15 * long / short).powf((i as f64 + 0.5) / 4.0)).max(short);
+            for share in [0.05_f64, 0.5] {
+                let x = vec![
+                    (self.absolute * share).ln(),
+                    (self.relative * 0.6).ln(),
+                    (self.relative * 0.6).ln(),
+                    length.ln(),
+                ];
+                let value = criterion.value(&self.sizes(&x), length / NODES_PER_LENGTH);
+                if value < best.0 || best.1.is_empty() {
+                    best = (value, x);
+                }
+            }
+        }
+        best.1
+    }
+
+    /// A part without which the data are as likely is zero, and exactly so.
+    fn drop_invisible(
+        &self,
+        criterion: &Criterion<'_>,
+        sizes: &mut Sizes,
+        spacing: f64,
+        value: f64,
+    ) {
+        for part in [PLATE, PRIVATE] {
+            let mut without = *sizes;
+            match part {
+                PLATE => without.plate = 0.0,
+                _ => without.private = 0.0,
+            }
+            let small = match part {
+                PLATE => sizes.plate,
+                _ => sizes.private,
+            } < 0.05 * self.relative;
+            if small && criterion.value(&without, spacing) < value + 0.02 {
+                *sizes = without;
+            }
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! The noise of a campaign: how a healthy record scatters about a perfect model.
+//!
+//! For sample i of run k, at plate position x and after sliding s, the recorded force is
+//!
+//! ```text
+//! y_i = f_i (1 + b_k + u_k(s_i) + q(x_i)) + e_i                                            (N1)
+//! b_k ~ N(0, scatter^2)                               scatter between runs, a gain a run
+//! u_k : mean 0, cov u_k(s) u_k(s') = private^2 exp(-|s - s'| / length)    roughness, private to the run
+//! q   : mean 0, cov q(x) q(x')     = plate^2   exp(-|x - x'| / length)    roughness, fixed to the plate
+//! e_i ~ N(0, sensor^2)                                sensor noise, white
+//! ```
+//!
+//! with f the friction force that the model predicts. The field q is the same in every run: it repeats, and no law
+//! could mend it. All sizes and the length are estimated by restricted maximum likelihood; whitening takes time linear
+//! in the samples: a Kalman filter along each run for u and e, a banded square-root information filter on a grid of
+//! plate nodes for q, a low-rank root for b.
+//!
+//! This module knows forces, distances and runs as plain numbers, and no friction.
+
+mod along;
+mod context;
+mod estimate;
+mod plate;
+mod restricted;
+mod rotations;
+mod scatter;
+mod search;
+#[cfg(test)]
+mod tests;
+mod whitener;
+
+pub use context::{Context, Sizes};
+pub use estimate::{EstimateOptions, NoiseModel, estimate};
+pub use scatter::ScatterEvidence;
+pub use whitener::Whitener;

@@ -1,0 +1,244 @@
+//! The roughness that is fixed to the plate, on a grid of nodes.
+//!
+//! Between two nodes at distances a and b (a + b = h) an Ornstein-Uhlenbeck field is, given the nodes,
+//!
+//! ```text
+//! q(x) = q_j sinh(b/l)/sinh(h/l) + q_{j+1} sinh(a/l)/sinh(h/l) + bridge,
+//! var bridge = plate^2 (1 - w_j exp(-a/l) - w_{j+1} exp(-b/l))
+//! ```
+//!
+//! The bridge (a few percent of the field's variance at h = l/3) joins the white noise. The nodes have a bidiagonal
+//! precision root; seen through the filter along the run, a sample's dependence on the nodes forgets older nodes, so
+//! that its row is short and the nodes' information matrix is banded.
+
+use super::along::Along;
+use super::context::{Context, Sizes};
+
+/// Entries of a row below this (relative to one) are dropped.
+const FORGOTTEN: f64 = 1e-5;
+/// Never more nodes than this; a finer plate is then resolved only coarsely.
+const MOST_NODES: usize = 3000;
+/// Never longer rows than this.
+const LONGEST_ROW: usize = 96;
+
+/// Equidistant nodes over the plate.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Grid {
+    origin: f64,
+    pub(super) spacing: f64,
+    pub(super) nodes: usize,
+}
+
+impl Grid {
+    /// A grid of at most the wished spacing over the campaign's plate.
+    pub(super) fn new(context: &Context, spacing: f64) -> Self {
+        let (lo, hi) = context.extent();
+        let span = (hi - lo).max(1e-12);
+        let cells = ((span / spacing).ceil() as usize).clamp(1, MOST_NODES - 1);
+        Self {
+            origin: lo,
+            spacing: span / cells as f64,
+            nodes: cells + 1,
+        }
+    }
+
+    /// Left node, its weight, the right node's weight, and the bridge's share of the variance.
+    fn weights(&self, place: f64, length: f64) -> (usize, f64, f64, f64) {
+        let t = (place - self.origin) / self.spacing;
+        let j = (t.floor().max(0.0) as usize).min(self.nodes - 2);
+        let a = (place - self.origin - j as f64 * self.spacing).clamp(0.0, self.spacing);
+        let b = self.spacing - a;
+        let whole = (self.spacing / length).sinh();
+        let (left, right) = ((b / length).sinh() / whole, (a / length).sinh() / whole);
+        let bridge = 1.0 - left * (-a / length).exp() - right * (-b / length).exp();
+        (j, left, right, bridge.max(0.0))
+    }
+
+    /// Variance that the bridges add to the white noise of each sample.
+    pub(super) fn bridge_variance(&self, context: &Context, sizes: &Sizes) -> Vec<f64> {
+        let plate = sizes.plate * sizes.plate;
+        context
+            .place
+            .iter()
+            .zip(&context.scale)
+            .map(|(&x, &f)| plate * f * f * self.weights(x, sizes.length).3)
+            .collect()
+    }
+
+    /// Diagonal and first off-diagonal of the upper bidiagonal root of the nodes' precision:
+    /// (q_j - phi q_{j+1}) / (plate sqrt(1 - phi^2)), and q_last / plate.
+    pub(super) fn precision_root(&self, sizes: &Sizes) -> (f64, f64, f64) {
+        let phi = (-self.spacing / sizes.length).exp();
+        let inner = 1.0 / (sizes.plate * (1.0 - phi * phi).sqrt());
+        (inner, -phi * inner, 1.0 / sizes.plate)
+    }
+}
+
+/// Rows of the whitened design of the nodes: row i is the response of innovation i to the nodes.
+pub(super) struct Rows {
+    pub(super) first: Vec<usize>,
+    offset: Vec<usize>,
+    values: Vec<f64>,
+    /// Longest row.
+    pub(super) width: usize,
+}
+
+impl Rows {
+    /// Sends the nodes' design through the filter along each run.
+    pub(super) fn new(context: &Context, sizes: &Sizes, grid: &Grid, along: &Along) -> Self {
+        let n = context.samples();
+        let mut rows = Self {
+            first: Vec::with_capacity(n),
+            offset: Vec::with_capacity(n + 1),
+            values: Vec::with_capacity(n * 16),
+            width: 0,
+        };
+        rows.offset.push(0);
+        // The filter's state as a function of the nodes lo..hi.
+        let mut state = vec![0.0; grid.nodes];
+        for run in &context.runs {
+            state.fill(0.0);
+            let (mut lo, mut hi) = (0, 0);
+            for i in run.clone() {
+                let (node, left, right, _) = grid.weights(context.place[i], sizes.length);
+                let decay = along.decay[i];
+                state[lo..hi].iter_mut().for_each(|x| *x *= decay);
+                while lo < hi && state[lo].abs() < FORGOTTEN {
+                    state[lo] = 0.0;
+                    lo += 1;
+                }
+                while lo < hi && state[hi - 1].abs() < FORGOTTEN {
+                    hi -= 1;
+                    state[hi] = 0.0;
+                }
+                if lo == hi {
+                    (lo, hi) = (node, node + 2);
+                } else {
+                    (lo, hi) = (lo.min(node), hi.max(node + 2));
+                }
+                while hi - lo > LONGEST_ROW {
+                    if node - lo > hi - node - 2 {
+                        state[lo] = 0.0;
+                        lo += 1;
+                    } else {
+                        hi -= 1;
+                        state[hi] = 0.0;
+                    }
+                }
+                let f = context.scale[i];
+                let (gain, weight) = (along.gain[i], along.inverse_sd[i]);
+                for j in lo..hi {
+                    let direct = if j == node {
+                        left
+                    } else if j == node + 1 {
+                        right
+                    } else {
+                        0.0
+                    };
+                    let innovation = f * (direct - state[j]);
+                    state[j] += gain * innovation;
+                    rows.values.push(innovation * weight);
+                }
+                rows.first.push(lo);
+                rows.offset.push(rows.values.len());
+                rows.width = rows.width.max(hi - lo);
+            }
+        }
+        rows
+    }
+
+    /// Entries of row i, from node `first[i]` on.
+    pub(super) fn row(&self, i: usize) -> &[f64] {
+        &self.values[self.offset[i]..self.offset[i + 1]]
+    }
+
+    /// A^T x for one whitened column.
+    pub(super) fn transpose_times(&self, column: &[f64], nodes: usize) -> Vec<f64> {
+        let mut out = vec![0.0; nodes];
+        for (i, &x) in column.iter().enumerate() {
+            let first = self.first[i];
+            for (o, &a) in out[first..].iter_mut().zip(self.row(i)) {
+                *o += a * x;
+            }
+        }
+        out
+    }
+}
+
+/// Banded Cholesky factor of the nodes' posterior information, Q^-1 + A^T A = L L^T.
+pub(super) struct Information {
+    band: usize,
+    /// Row j holds L[j, j - band ..= j].
+    factor: Vec<f64>,
+    nodes: usize,
+    /// log det(I + A Q A^T).
+    pub(super) log_det: f64,
+}
+
+impl Information {
+    /// Adds the rows' Gram matrix to the prior precision and factors the sum.
+    pub(super) fn new(rows: &Rows, grid: &Grid, sizes: &Sizes) -> Self {
+        let nodes = grid.nodes;
+        let band = rows.width.max(2).min(nodes) - 1;
+        let stride = band + 1;
+        // m[j * stride + d] = M[j + d, j]
+        let mut m = vec![0.0; nodes * stride];
+        let (inner, off, last) = grid.precision_root(sizes);
+        for j in 0..nodes {
+            let own = if j + 1 < nodes { inner } else { last };
+            m[j * stride] += own * own;
+            if j + 1 < nodes {
+                m[j * stride + 1] += own * off;
+                m[(j + 1) * stride] += off * off;
+            }
+        }
+        for i in 0..rows.first.len() {
+            let (first, row) = (rows.first[i], rows.row(i));
+            for (a, &x) in row.iter().enumerate() {
+                let at = (first + a) * stride;
+                for (slot, &y) in m[at..at + row.len() - a].iter_mut().zip(&row[a..]) {
+                    *slot += x * y;
+                }
+            }
+        }
+        // Right-looking banded Cholesky on the columns.
+        let mut log_factor = 0.0;
+        for j in 0..nodes {
+            let pivot = m[j * stride].max(f64::MIN_POSITIVE).sqrt();
+            log_factor += pivot.ln();
+            m[j * stride] = pivot;
+            let reach = band.min(nodes - 1 - j);
+            for d in 1..=reach {
+                m[j * stride + d] /= pivot;
+            }
+            for d in 1..=reach {
+                let x = m[j * stride + d];
+                if x != 0.0 {
+                    for e in d..=reach {
+                        m[(j + d) * stride + e - d] -= x * m[j * stride + e];
+                    }
+                }
+            }
+        }
+        let log_prior = (nodes - 1) as f64 * inner.ln() + last.ln();
+        Self {
+            band,
+            factor: m,
+            nodes,
+            log_det: 2.0 * (log_factor - log_prior),
+        }
+    }
+
+    /// L^-1 b.
+    pub(super) fn solve_lower(&self, b: &mut [f64]) {
+        let stride = self.band + 1;
+        for j in 0..self.nodes {
+            let x = b[j] / self.factor[j * stride];
+            b[j] = x;
+            let reach = self.band.min(self.nodes - 1 - j);
+            for d in 1..=reach {
+                b[j + d] -= self.factor[j * stride + d] * x;
+            }
+        }
+    }
+}

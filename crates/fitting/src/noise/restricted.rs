@@ -1,0 +1,125 @@
+//! The restricted likelihood of the noise's sizes, the mean's parameters profiled out.
+//!
+//! ```text
+//! C(sizes) = log det V + log det(X' V^-1 X) + r' P r,   P = V^-1 - V^-1 X (X' V^-1 X)^-1 X' V^-1      (N3)
+//! ```
+//!
+//! X spans the mean's Jacobian and a gain for every run, so that the scatter between runs drops out and the
+//! roughness, its length and the sensor noise are estimated from what happens within runs. Inner products need no
+//! root of V: with the columns filtered along the runs (index 0) and A, L of the plate's field,
+//! a' V^-1 b = a0' b0 - (L^-1 A' a0)' (L^-1 A' b0).
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use super::along::Along;
+use super::context::{Context, Sizes};
+use super::plate::{Grid, Information, Rows};
+use super::scatter::orthonormal_basis;
+
+/// The data of the criterion, its columns orthonormalised once.
+pub(super) struct Criterion<'a> {
+    context: &'a Context,
+    /// Basis of the mean's space, the residual as last column.
+    columns: DMatrix<f64>,
+}
+
+impl<'a> Criterion<'a> {
+    pub(super) fn new(context: &'a Context, mean: &DMatrix<f64>, residual: &DVector<f64>) -> Self {
+        let basis = orthonormal_basis(mean);
+        let rest = residual - &basis * basis.tr_mul(residual);
+        let p = basis.ncols();
+        let mut columns = basis.resize_horizontally(p + 1, 0.0);
+        columns.set_column(p, &rest);
+        Self { context, columns }
+    }
+
+    /// Degrees of freedom that the mean leaves.
+    pub(super) fn degrees_of_freedom(&self) -> usize {
+        self.columns.nrows() + 1 - self.columns.ncols()
+    }
+
+    /// Root mean square of the residual that the mean leaves.
+    pub(super) fn residual_rms(&self) -> f64 {
+        let p = self.columns.ncols() - 1;
+        (self.columns.column(p).norm_squared() / self.degrees_of_freedom().max(1) as f64).sqrt()
+    }
+
+    /// C of (N3); infinite where the sizes make no covariance.
+    pub(super) fn value(&self, sizes: &Sizes, spacing: f64) -> f64 {
+        let grid = Grid::new(self.context, spacing);
+        let with_plate = sizes.plate > 0.0;
+        let extra = if with_plate {
+            grid.bridge_variance(self.context, sizes)
+        } else {
+            vec![0.0; self.context.samples()]
+        };
+        let along = Along::new(self.context, sizes, &extra);
+        let mut columns = self.columns.clone();
+        for mut column in columns.column_iter_mut() {
+            along.whiten(column.as_mut_slice());
+        }
+        let mut gram = gram(&columns);
+        let mut log_det = along.log_det;
+        if with_plate {
+            let rows = Rows::new(self.context, sizes, &grid, &along);
+            let information = Information::new(&rows, &grid, sizes);
+            log_det += information.log_det;
+            let seen: Vec<DVector<f64>> = columns
+                .column_iter()
+                .map(|column| {
+                    let mut b = rows.transpose_times(column.as_slice(), grid.nodes);
+                    information.solve_lower(&mut b);
+                    DVector::from_vec(b)
+                })
+                .collect();
+            gram -= super::restricted::gram(&DMatrix::from_columns(&seen));
+        }
+        let p = gram.nrows() - 1;
+        let Some(factor) = Cholesky::new(gram.view((0, 0), (p, p)).into_owned()) else {
+            return f64::INFINITY;
+        };
+        let cross = gram.view((0, p), (p, 1)).into_owned();
+        let explained = if p > 0 {
+            cross.dot(&factor.solve(&cross))
+        } else {
+            0.0
+        };
+        let lower = factor.l();
+        let log_mean: f64 = 2.0 * (0..p).map(|j| lower[(j, j)].ln()).sum::<f64>();
+        let value = log_det + log_mean + gram[(p, p)] - explained;
+        if value.is_finite() { value } else { f64::INFINITY }
+    }
+}
+
+/// X'X, by dot products in eight lanes.
+pub(super) fn gram(columns: &DMatrix<f64>) -> DMatrix<f64> {
+    let p = columns.ncols();
+    let n = columns.nrows();
+    let data = columns.as_slice();
+    let mut out = DMatrix::zeros(p, p);
+    for i in 0..p {
+        for j in 0..=i {
+            let x = dot(&data[i * n..(i + 1) * n], &data[j * n..(j + 1) * n]);
+            out[(i, j)] = x;
+            out[(j, i)] = x;
+        }
+    }
+    out
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut lanes = [0.0; 8];
+    let (ca, cb) = (a.chunks_exact(8), b.chunks_exact(8));
+    let tail: f64 = ca
+        .remainder()
+        .iter()
+        .zip(cb.remainder())
+        .map(|(x, y)| x * y)
+        .sum();
+    for (x, y) in ca.zip(cb) {
+        for k in 0..8 {
+            lanes[k] += x[k] * y[k];
+        }
+    }
+    lanes.iter().sum::<f64>() + tail
+}

@@ -1,0 +1,165 @@
+//! Scatter between runs: a random gain a run, few of them.
+//!
+//! In whitened units the gains enter as y = H b + w, b ~ N(0, scatter^2 I), column k of H being the whitened force of
+//! run k. With the mean's columns projected out, G = H'H = E diag(lambda) E' and t = E' H'y, the restricted
+//! likelihood of the scatter needs no more than
+//!
+//! ```text
+//! -2 log L(s) = sum_k [ log(1 + s^2 lambda_k) - s^2 t_k^2 / (1 + s^2 lambda_k) ] + const              (N2)
+//! ```
+
+use nalgebra::{DMatrix, DVector};
+
+use super::context::Context;
+
+/// What the campaign says about the scatter between its runs.
+#[derive(Clone, Debug)]
+pub struct ScatterEvidence {
+    /// Information on the gain in each of the directions between runs that the mean leaves free, 1.
+    pub lambda: Vec<f64>,
+    /// Score of the gain in the same directions.
+    pub score: Vec<f64>,
+}
+
+impl ScatterEvidence {
+    /// From whitened gain columns (n x K), the whitened mean's columns (n x p) and the whitened residual.
+    pub fn new(gains: &DMatrix<f64>, mean: &DMatrix<f64>, residual: &DVector<f64>) -> Self {
+        let basis = orthonormal_basis(mean);
+        let projected = gains - &basis * basis.tr_mul(gains);
+        let rest = residual - &basis * basis.tr_mul(residual);
+        let gram = projected.tr_mul(&projected);
+        let full = (0..gains.ncols())
+            .map(|k| gains.column(k).norm_squared())
+            .fold(0.0, f64::max);
+        let score = projected.tr_mul(&rest);
+        let eigen = gram.symmetric_eigen();
+        let turned = eigen.eigenvectors.tr_mul(&score);
+        let mut pairs: Vec<(f64, f64)> = eigen
+            .eigenvalues
+            .iter()
+            .zip(turned.iter())
+            .filter(|(l, _)| **l > 1e-6 * full)
+            .map(|(l, t)| (*l, *t))
+            .collect();
+        pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
+        Self {
+            lambda: pairs.iter().map(|p| p.0).collect(),
+            score: pairs.iter().map(|p| p.1).collect(),
+        }
+    }
+
+    /// Directions between runs that are left to estimate the scatter from.
+    pub fn degrees_of_freedom(&self) -> usize {
+        self.lambda.len()
+    }
+
+    /// -2 log of the restricted likelihood of a scatter, up to a constant, (N2).
+    pub fn deviance(&self, scatter: f64) -> f64 {
+        let s2 = scatter * scatter;
+        self.lambda
+            .iter()
+            .zip(&self.score)
+            .map(|(l, t)| (s2 * l).ln_1p() - s2 * t * t / (1.0 + s2 * l))
+            .sum()
+    }
+
+    /// A grid of scatters that covers all that the data allow, with weights of the posterior under the prior
+    /// 1 / (s + d), d being the scatter at which runs start to differ visibly: flat below it, scale-free above it.
+    pub fn posterior(&self) -> Vec<(f64, f64)> {
+        const NODES: usize = 61;
+        if self.lambda.is_empty() {
+            return vec![(0.0, 1.0)];
+        }
+        let count = self.lambda.len() as f64;
+        let visible = (count / self.lambda.iter().sum::<f64>()).sqrt();
+        let largest = self
+            .lambda
+            .iter()
+            .zip(&self.score)
+            .map(|(l, t)| (t / l).abs())
+            .fold(0.0, f64::max);
+        let top = (30.0 * largest.max(visible) / visible).asinh();
+        // s = visible sinh(u): nodes are even near zero and logarithmic above.
+        let mut grid: Vec<(f64, f64)> = (0..NODES)
+            .map(|i| {
+                let u = top * i as f64 / (NODES - 1) as f64;
+                let s = visible * u.sinh();
+                let measure = u.cosh() / (1.0 + u.sinh());
+                let edge = if i == 0 || i == NODES - 1 { 0.5 } else { 1.0 };
+                (s, -0.5 * self.deviance(s) + (measure * edge).ln())
+            })
+            .collect();
+        let best = grid.iter().map(|g| g.1).fold(f64::NEG_INFINITY, f64::max);
+        let mut total = 0.0;
+        for g in &mut grid {
+            g.1 = (g.1 - best).exp();
+            total += g.1;
+        }
+        grid.iter_mut().for_each(|g| g.1 /= total);
+        grid
+    }
+
+    /// The scatter of largest restricted likelihood (zero where none is seen).
+    pub fn estimate(&self) -> f64 {
+        let grid = self.posterior();
+        let Some(best) = (0..grid.len())
+            .min_by(|&a, &b| self.deviance(grid[a].0).total_cmp(&self.deviance(grid[b].0)))
+        else {
+            return 0.0;
+        };
+        let (mut lo, mut hi) = (
+            grid[best.saturating_sub(1)].0,
+            grid[(best + 1).min(grid.len() - 1)].0,
+        );
+        let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
+        for _ in 0..60 {
+            let (a, b) = (hi - ratio * (hi - lo), lo + ratio * (hi - lo));
+            if self.deviance(a) < self.deviance(b) {
+                hi = b;
+            } else {
+                lo = a;
+            }
+        }
+        let s = 0.5 * (lo + hi);
+        if self.deviance(s) < 0.0 { s } else { 0.0 }
+    }
+}
+
+/// Stacked force of run k in column k, zero in all other runs.
+pub(super) fn gain_columns(context: &Context) -> DMatrix<f64> {
+    let mut gains = DMatrix::zeros(context.samples(), context.runs.len());
+    for (k, run) in context.runs.iter().enumerate() {
+        for i in run.clone() {
+            gains[(i, k)] = context.scale[i];
+        }
+    }
+    gains
+}
+
+/// Orthonormal basis of a matrix's columns, directions below 1e-9 of the largest dropped; columns are scaled first.
+pub(super) fn orthonormal_basis(columns: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut basis: Vec<DVector<f64>> = Vec::with_capacity(columns.ncols());
+    for j in 0..columns.ncols() {
+        let norm = columns.column(j).norm();
+        if !(norm > 0.0) || !norm.is_finite() {
+            continue;
+        }
+        let mut v: DVector<f64> = columns.column(j) / norm;
+        // Twice is enough (Kahan): modified Gram-Schmidt with one repetition.
+        for _ in 0..2 {
+            for b in &basis {
+                let along = b.dot(&v);
+                v.axpy(-along, b, 1.0);
+            }
+        }
+        let left = v.norm();
+        if left > 1e-7 {
+            basis.push(v / left);
+        }
+    }
+    if basis.is_empty() {
+        DMatrix::zeros(columns.nrows(), 0)
+    } else {
+        DMatrix::from_columns(&basis)
+    }
+}

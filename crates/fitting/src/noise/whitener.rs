@@ -1,0 +1,224 @@
+//! W with W'W = V^-1, V the covariance of (N1), applied in time linear in the samples.
+//!
+//! Three factors, each a stored recursion: the filter along the runs, the rotations that remove the plate's field, and
+//! the root of the scatter, (I + s^2 H H')^(-1/2) = I - U diag(1 - 1/sqrt(1 + s^2 sigma^2)) U', H = U sigma E' being
+//! the gains as the first two factors leave them.
+
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::along::Along;
+use super::context::{Context, Sizes};
+use super::plate::{Grid, Rows};
+use super::rotations::Rotations;
+use super::scatter::gain_columns;
+
+/// Nodes per correlation length of the plate's field.
+pub(super) const NODES_PER_LENGTH: f64 = 3.0;
+/// With more runs than this the scatter's root is taken run by run (the coupling of runs through the plate's field is
+/// then left out of the scatter, not out of the field).
+const RUNS_TOGETHER: usize = 96;
+
+/// Whitening of residuals and Jacobians under a noise model.
+pub struct Whitener {
+    along: Along,
+    rotations: Option<Rotations>,
+    scatter: Option<ScatterRoot>,
+    log_det: f64,
+}
+
+/// Root of the scatter between runs.
+enum ScatterRoot {
+    /// I - U diag(shrink) U', all runs together.
+    Joint {
+        directions: DMatrix<f64>,
+        shrink: Vec<f64>,
+    },
+    /// The same with each run's direction restricted to its own samples.
+    RunByRun {
+        runs: Vec<Range<usize>>,
+        direction: Vec<f64>,
+        shrink: Vec<f64>,
+    },
+}
+
+impl Whitener {
+    /// Builds the recursions for a campaign's samples and the sizes of its noise.
+    pub fn new(context: &Context, sizes: &Sizes) -> Self {
+        let grid = Grid::new(context, sizes.length / NODES_PER_LENGTH);
+        let extra = if sizes.plate > 0.0 {
+            grid.bridge_variance(context, sizes)
+        } else {
+            vec![0.0; context.samples()]
+        };
+        let along = Along::new(context, sizes, &extra);
+        let mut log_det = along.log_det;
+        let rotations = (sizes.plate > 0.0).then(|| {
+            let rows = Rows::new(context, sizes, &grid, &along);
+            Rotations::new(&rows, &grid, sizes)
+        });
+        log_det += rotations.as_ref().map_or(0.0, |r| r.log_det);
+        let mut whitener = Self {
+            along,
+            rotations,
+            scatter: None,
+            log_det,
+        };
+        if sizes.scatter > 0.0 {
+            whitener.add_scatter(context, sizes.scatter);
+        }
+        whitener
+    }
+
+    /// The same noise with another scatter between runs (zero: none).
+    pub fn with_scatter(mut self, context: &Context, scatter: f64) -> Self {
+        if let Some(old) = self.scatter.take() {
+            self.log_det -= old.log_det();
+        }
+        if scatter > 0.0 {
+            self.add_scatter(context, scatter);
+        }
+        self
+    }
+
+    fn add_scatter(&mut self, context: &Context, scatter: f64) {
+        let gains = self.whiten_columns(&gain_columns_or_blocks(context));
+        let root = if context.runs.len() <= RUNS_TOGETHER {
+            ScatterRoot::joint(&gains, scatter)
+        } else {
+            ScatterRoot::run_by_run(context, &gains, scatter)
+        };
+        self.log_det += root.log_det();
+        self.scatter = Some(root);
+    }
+
+    /// W r.
+    pub fn whiten(&self, residual: &DVector<f64>) -> DVector<f64> {
+        let mut out = residual.clone();
+        self.sweep(&mut [out.as_mut_slice()]);
+        out
+    }
+
+    /// W applied to every column.
+    pub fn whiten_columns(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let n = columns.nrows();
+        let mut out = columns.clone();
+        if n == 0 || columns.ncols() == 0 {
+            return out;
+        }
+        // Columns are independent: the split over threads changes no bit.
+        out.as_mut_slice()
+            .par_chunks_mut(n * 8)
+            .for_each(|block| {
+                let mut parts: Vec<&mut [f64]> = block.chunks_mut(n).collect();
+                self.sweep(&mut parts);
+            });
+        out
+    }
+
+    fn sweep(&self, columns: &mut [&mut [f64]]) {
+        for column in columns.iter_mut() {
+            self.along.whiten(column);
+        }
+        if let Some(rotations) = &self.rotations {
+            rotations.whiten(columns);
+        }
+        if let Some(scatter) = &self.scatter {
+            for column in columns.iter_mut() {
+                scatter.apply(column);
+            }
+        }
+    }
+
+    /// log det V.
+    pub fn log_det(&self) -> f64 {
+        self.log_det
+    }
+}
+
+impl ScatterRoot {
+    fn joint(gains: &DMatrix<f64>, scatter: f64) -> Self {
+        let eigen = gains.tr_mul(gains).symmetric_eigen();
+        let largest = eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
+        let keep: Vec<usize> = (0..eigen.eigenvalues.len())
+            .filter(|&k| eigen.eigenvalues[k] > 1e-12 * largest)
+            .collect();
+        let mut directions = DMatrix::zeros(gains.nrows(), keep.len());
+        let mut shrink = Vec::with_capacity(keep.len());
+        for (c, &k) in keep.iter().enumerate() {
+            let power = eigen.eigenvalues[k];
+            let u = gains * eigen.eigenvectors.column(k) / power.sqrt();
+            directions.set_column(c, &u);
+            shrink.push(shrinkage(scatter, power));
+        }
+        Self::Joint { directions, shrink }
+    }
+
+    fn run_by_run(context: &Context, gains: &DMatrix<f64>, scatter: f64) -> Self {
+        let mut direction = gains.column(0).iter().copied().collect::<Vec<f64>>();
+        let mut shrink = Vec::with_capacity(context.runs.len());
+        for run in &context.runs {
+            let own = &mut direction[run.clone()];
+            let power: f64 = own.iter().map(|x| x * x).sum();
+            if power > 0.0 {
+                own.iter_mut().for_each(|x| *x /= power.sqrt());
+            }
+            shrink.push(shrinkage(scatter, power));
+        }
+        Self::RunByRun {
+            runs: context.runs.clone(),
+            direction,
+            shrink,
+        }
+    }
+
+    /// log det(I + s^2 H H') = -2 sum log(1 - shrink).
+    fn log_det(&self) -> f64 {
+        let (Self::Joint { shrink, .. } | Self::RunByRun { shrink, .. }) = self;
+        -2.0 * shrink.iter().map(|x| (1.0 - x).ln()).sum::<f64>()
+    }
+
+    fn apply(&self, column: &mut [f64]) {
+        match self {
+            Self::Joint { directions, shrink } => {
+                for (u, s) in directions.column_iter().zip(shrink) {
+                    remove(column, u.as_slice(), *s);
+                }
+            }
+            Self::RunByRun {
+                runs,
+                direction,
+                shrink,
+            } => {
+                for (run, s) in runs.iter().zip(shrink) {
+                    remove(&mut column[run.clone()], &direction[run.clone()], *s);
+                }
+            }
+        }
+    }
+}
+
+/// 1 - 1/sqrt(1 + s^2 power).
+fn shrinkage(scatter: f64, power: f64) -> f64 {
+    1.0 - 1.0 / (1.0 + scatter * scatter * power).sqrt()
+}
+
+/// x - shrink u (u'x).
+fn remove(x: &mut [f64], u: &[f64], shrink: f64) {
+    let along: f64 = u.iter().zip(x.iter()).map(|(a, b)| a * b).sum();
+    let step = along * shrink;
+    for (x, a) in x.iter_mut().zip(u) {
+        *x -= step * a;
+    }
+}
+
+/// One column a run, or, for very many runs, one column that holds every run's own force.
+fn gain_columns_or_blocks(context: &Context) -> DMatrix<f64> {
+    if context.runs.len() <= RUNS_TOGETHER {
+        gain_columns(context)
+    } else {
+        DMatrix::from_column_slice(context.samples(), 1, &context.scale)
+    }
+}
