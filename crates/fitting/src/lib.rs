@@ -7,7 +7,7 @@
 //! * [`profile`] and [`profile_curve`]: likelihood profiles and the intervals that follow from them;
 //! * [`identifiability`]: what the data determine at all, from the singular values of the scaled sensitivities;
 //! * [`criteria`]: thresholds (t, F) and AICc; [`bootstrap`]: resampling as a diagnostic;
-//! * `noise`: the covariance of friction records and its whitening.
+//! * [`noise`]: the covariance of friction records and its whitening.
 
 mod bootstrap;
 mod bounded_step;
@@ -17,6 +17,7 @@ mod identifiability;
 mod levenberg_marquardt;
 mod minimise;
 mod multi_start;
+pub mod noise;
 mod profile;
 mod residuals;
 mod triangular;

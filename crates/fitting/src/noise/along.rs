@@ -1,53 +1,65 @@
-//! Whitening along one run: private roughness plus white noise, by a scalar Kalman filter.
+//! Whitening along one run: private roughness, what the plate's grid leaves between its nodes, and white noise, by a
+//! Kalman filter of two states.
 //!
-//! State u (relative roughness), observation r_i = f_i u(s_i) + w_i:
+//! State x = (u, w): relative roughness private to the run, and the part of the plate's field that its grid does not
+//! resolve (variance and length such that its steps over short distances are those of the field). Observation
+//! r_i = f_i (u + w) + e_i. With phi = exp(-step/length) of each state,
 //!
 //! ```text
-//! phi_i = exp(-(s_i - s_{i-1}) / length),   u-, P- = phi u, phi^2 P + private^2 (1 - phi^2)
-//! S_i = f_i^2 P- + R_i,   gain = P- f_i / S_i,   e_i = r_i - f_i u-,   u = u- + gain e_i,   whitened = e_i / sqrt(S_i)
+//! x- = phi x,   P- = phi P phi' + stationary variance (1 - phi^2)
+//! S_i = f_i^2 1'P-1 + sensor^2,   gain = f_i P-1 / S_i,   e_i = r_i - f_i 1'x-,   x = x- + gain e_i,
+//! whitened = e_i / sqrt(S_i)
 //! ```
 //!
-//! The coefficients do not depend on the data: they are kept, and a column costs five operations a sample.
+//! The coefficients do not depend on the data: they are kept, and a column costs ten operations a sample.
 
 use super::context::{Context, Sizes};
 
 /// The stored filter of all runs.
 pub(super) struct Along {
-    /// phi_i, and zero at the first sample of a run.
-    pub(super) decay: Vec<f64>,
+    /// phi of both states, and zero at the first sample of a run.
+    pub(super) decay: Vec<[f64; 2]>,
     pub(super) scale: Vec<f64>,
-    pub(super) gain: Vec<f64>,
+    pub(super) gain: Vec<[f64; 2]>,
     pub(super) inverse_sd: Vec<f64>,
-    /// log det of the covariance of private roughness and white noise.
+    /// log det of the covariance of private roughness, unresolved field and white noise.
     pub(super) log_det: f64,
 }
 
 impl Along {
-    /// Runs the filter's covariance recursion; `extra_variance` is added to the white noise of each sample.
-    pub(super) fn new(context: &Context, sizes: &Sizes, extra_variance: &[f64]) -> Self {
+    /// Runs the filter's covariance recursion; `unresolved` is the share of the plate field's variance between nodes.
+    pub(super) fn new(context: &Context, sizes: &Sizes, unresolved: f64) -> Self {
         let n = context.samples();
         let private = sizes.private * sizes.private;
+        let between = sizes.plate * sizes.plate * unresolved;
+        let lengths = [sizes.length, sizes.length * unresolved.max(1e-6)];
         let white = sizes.sensor * sizes.sensor;
         let mut filter = Self {
-            decay: vec![0.0; n],
+            decay: vec![[0.0; 2]; n],
             scale: context.scale.clone(),
-            gain: vec![0.0; n],
+            gain: vec![[0.0; 2]; n],
             inverse_sd: vec![0.0; n],
             log_det: 0.0,
         };
         for run in &context.runs {
-            let mut variance = private;
+            // Covariance [[p, c], [c, q]] of the two states.
+            let (mut p, mut c, mut q) = (private, 0.0, between);
             for i in run.clone() {
                 if i > run.start {
                     let step = context.sliding[i] - context.sliding[i - 1];
-                    let phi = (-step / sizes.length).exp();
+                    let phi = lengths.map(|l| (-step / l).exp());
                     filter.decay[i] = phi;
-                    variance = phi * phi * variance + private * (1.0 - phi * phi);
+                    p = phi[0] * phi[0] * p + private * (1.0 - phi[0] * phi[0]);
+                    q = phi[1] * phi[1] * q + between * (1.0 - phi[1] * phi[1]);
+                    c *= phi[0] * phi[1];
                 }
                 let f = context.scale[i];
-                let total = f * f * variance + white + extra_variance[i];
-                let gain = variance * f / total;
-                variance -= gain * f * variance;
+                let total = f * f * (p + 2.0 * c + q) + white;
+                let gain = [f * (p + c) / total, f * (c + q) / total];
+                let seen = [f * (p + c), f * (c + q)];
+                p -= gain[0] * seen[0];
+                q -= gain[1] * seen[1];
+                c -= gain[0] * seen[1];
                 filter.gain[i] = gain;
                 filter.inverse_sd[i] = 1.0 / total.sqrt();
                 filter.log_det += total.ln();
@@ -58,11 +70,13 @@ impl Along {
 
     /// Replaces a stacked column by its whitened innovations.
     pub(super) fn whiten(&self, column: &mut [f64]) {
-        let mut state = 0.0;
+        let (mut u, mut w) = (0.0, 0.0);
         for (i, x) in column.iter_mut().enumerate() {
-            state *= self.decay[i];
-            let innovation = *x - self.scale[i] * state;
-            state += self.gain[i] * innovation;
+            u *= self.decay[i][0];
+            w *= self.decay[i][1];
+            let innovation = *x - self.scale[i] * (u + w);
+            u += self.gain[i][0] * innovation;
+            w += self.gain[i][1] * innovation;
             *x = innovation * self.inverse_sd[i];
         }
     }

@@ -227,7 +227,9 @@ impl Frame {
                 log(s.sensor, SENSOR),
                 log(s.private, PRIVATE),
                 log(s.plate, PLATE),
-                s.length.ln().clamp(self.bounds[LENGTH].0, self.bounds[LENGTH].1),
+                s.length
+                    .ln()
+                    .clamp(self.bounds[LENGTH].0, self.bounds[LENGTH].1),
             ];
         }
         let (short, long) = self.lengths;

@@ -7,7 +7,7 @@
 //! var bridge = plate^2 (1 - w_j exp(-a/l) - w_{j+1} exp(-b/l))
 //! ```
 //!
-//! The bridge (a few percent of the field's variance at h = l/3) joins the white noise. The nodes have a bidiagonal
+//! The bridge (a tenth of the field's variance at h = l/3) joins the filter along the run. The nodes have a bidiagonal
 //! precision root; seen through the filter along the run, a sample's dependence on the nodes forgets older nodes, so
 //! that its row is short and the nodes' information matrix is banded.
 
@@ -42,27 +42,28 @@ impl Grid {
         }
     }
 
-    /// Left node, its weight, the right node's weight, and the bridge's share of the variance.
-    fn weights(&self, place: f64, length: f64) -> (usize, f64, f64, f64) {
+    /// Left node, its weight and the right node's weight.
+    fn weights(&self, place: f64, length: f64) -> (usize, f64, f64) {
         let t = (place - self.origin) / self.spacing;
         let j = (t.floor().max(0.0) as usize).min(self.nodes - 2);
         let a = (place - self.origin - j as f64 * self.spacing).clamp(0.0, self.spacing);
-        let b = self.spacing - a;
         let whole = (self.spacing / length).sinh();
-        let (left, right) = ((b / length).sinh() / whole, (a / length).sinh() / whole);
-        let bridge = 1.0 - left * (-a / length).exp() - right * (-b / length).exp();
-        (j, left, right, bridge.max(0.0))
+        let left = ((self.spacing - a) / length).sinh() / whole;
+        (j, left, (a / length).sinh() / whole)
     }
 
-    /// Variance that the bridges add to the white noise of each sample.
-    pub(super) fn bridge_variance(&self, context: &Context, sizes: &Sizes) -> Vec<f64> {
-        let plate = sizes.plate * sizes.plate;
-        context
-            .place
-            .iter()
-            .zip(&context.scale)
-            .map(|(&x, &f)| plate * f * f * self.weights(x, sizes.length).3)
-            .collect()
+    /// Share of the field's variance that lies between the nodes, the mean over a cell.
+    pub(super) fn unresolved(&self, length: f64) -> f64 {
+        const POINTS: usize = 32;
+        let whole = (self.spacing / length).sinh();
+        let sum: f64 = (0..POINTS)
+            .map(|k| {
+                let a = self.spacing / length * (k as f64 + 0.5) / POINTS as f64;
+                let b = self.spacing / length - a;
+                1.0 - (b.sinh() * (-a).exp() + a.sinh() * (-b).exp()) / whole
+            })
+            .sum();
+        (sum / POINTS as f64).clamp(0.0, 1.0)
     }
 
     /// Diagonal and first off-diagonal of the upper bidiagonal root of the nodes' precision:
@@ -95,21 +96,24 @@ impl Rows {
         };
         rows.offset.push(0);
         // The filter's state as a function of the nodes lo..hi.
-        let mut state = vec![0.0; grid.nodes];
+        let mut state = vec![[0.0_f64; 2]; grid.nodes];
         for run in &context.runs {
-            state.fill(0.0);
+            state.fill([0.0; 2]);
             let (mut lo, mut hi) = (0, 0);
             for i in run.clone() {
-                let (node, left, right, _) = grid.weights(context.place[i], sizes.length);
+                let (node, left, right) = grid.weights(context.place[i], sizes.length);
                 let decay = along.decay[i];
-                state[lo..hi].iter_mut().for_each(|x| *x *= decay);
-                while lo < hi && state[lo].abs() < FORGOTTEN {
-                    state[lo] = 0.0;
+                for x in &mut state[lo..hi] {
+                    *x = [x[0] * decay[0], x[1] * decay[1]];
+                }
+                let forgotten = |x: [f64; 2]| x[0].abs() + x[1].abs() < FORGOTTEN;
+                while lo < hi && forgotten(state[lo]) {
+                    state[lo] = [0.0; 2];
                     lo += 1;
                 }
-                while lo < hi && state[hi - 1].abs() < FORGOTTEN {
+                while lo < hi && forgotten(state[hi - 1]) {
                     hi -= 1;
-                    state[hi] = 0.0;
+                    state[hi] = [0.0; 2];
                 }
                 if lo == hi {
                     (lo, hi) = (node, node + 2);
@@ -118,11 +122,11 @@ impl Rows {
                 }
                 while hi - lo > LONGEST_ROW {
                     if node - lo > hi - node - 2 {
-                        state[lo] = 0.0;
+                        state[lo] = [0.0; 2];
                         lo += 1;
                     } else {
                         hi -= 1;
-                        state[hi] = 0.0;
+                        state[hi] = [0.0; 2];
                     }
                 }
                 let f = context.scale[i];
@@ -135,8 +139,9 @@ impl Rows {
                     } else {
                         0.0
                     };
-                    let innovation = f * (direct - state[j]);
-                    state[j] += gain * innovation;
+                    let innovation = f * (direct - state[j][0] - state[j][1]);
+                    state[j][0] += gain[0] * innovation;
+                    state[j][1] += gain[1] * innovation;
                     rows.values.push(innovation * weight);
                 }
                 rows.first.push(lo);

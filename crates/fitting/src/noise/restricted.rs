@@ -48,12 +48,7 @@ impl<'a> Criterion<'a> {
     pub(super) fn value(&self, sizes: &Sizes, spacing: f64) -> f64 {
         let grid = Grid::new(self.context, spacing);
         let with_plate = sizes.plate > 0.0;
-        let extra = if with_plate {
-            grid.bridge_variance(self.context, sizes)
-        } else {
-            vec![0.0; self.context.samples()]
-        };
-        let along = Along::new(self.context, sizes, &extra);
+        let along = Along::new(self.context, sizes, grid.unresolved(sizes.length));
         let mut columns = self.columns.clone();
         for mut column in columns.column_iter_mut() {
             along.whiten(column.as_mut_slice());
@@ -87,7 +82,11 @@ impl<'a> Criterion<'a> {
         let lower = factor.l();
         let log_mean: f64 = 2.0 * (0..p).map(|j| lower[(j, j)].ln()).sum::<f64>();
         let value = log_det + log_mean + gram[(p, p)] - explained;
-        if value.is_finite() { value } else { f64::INFINITY }
+        if value.is_finite() {
+            value
+        } else {
+            f64::INFINITY
+        }
     }
 }
 

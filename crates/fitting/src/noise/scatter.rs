@@ -102,9 +102,10 @@ impl ScatterEvidence {
     /// The scatter of largest restricted likelihood (zero where none is seen).
     pub fn estimate(&self) -> f64 {
         let grid = self.posterior();
-        let Some(best) = (0..grid.len())
-            .min_by(|&a, &b| self.deviance(grid[a].0).total_cmp(&self.deviance(grid[b].0)))
-        else {
+        let Some(best) = (0..grid.len()).min_by(|&a, &b| {
+            self.deviance(grid[a].0)
+                .total_cmp(&self.deviance(grid[b].0))
+        }) else {
             return 0.0;
         };
         let (mut lo, mut hi) = (

@@ -41,7 +41,8 @@ pub(super) fn minimise(
         // Coordinates that press on a bound stand still.
         let free: Vec<bool> = (0..n)
             .map(|i| {
-                !((x[i] <= bounds[i].0 && slope[i] > 0.0) || (x[i] >= bounds[i].1 && slope[i] < 0.0))
+                !((x[i] <= bounds[i].0 && slope[i] > 0.0)
+                    || (x[i] >= bounds[i].1 && slope[i] < 0.0))
             })
             .collect();
         let masked = DVector::from_fn(n, |i, _| if free[i] { slope[i] } else { 0.0 });
@@ -109,9 +110,7 @@ fn gradient(
             f(at.as_slice())
         })
         .collect();
-    DVector::from_fn(n, |i, _| {
-        (values[2 * i] - values[2 * i + 1]) / (2.0 * STEP)
-    })
+    DVector::from_fn(n, |i, _| (values[2 * i] - values[2 * i + 1]) / (2.0 * STEP))
 }
 
 /// The BFGS update of the inverse Hessian, skipped where the curvature is not positive.

@@ -26,7 +26,9 @@ fn ramps(samples: usize, pairs: usize) -> Context {
             let force = 1.8 * (1.0 - (-20.0 * t).exp());
             context.sliding.push(s);
             context.place.push(if k % 2 == 0 { s } else { 0.1 - s });
-            context.scale.push(if k % 2 == 0 { force } else { -0.5 * force });
+            context
+                .scale
+                .push(if k % 2 == 0 { force } else { -0.5 * force });
         }
         context.runs.push(start..context.scale.len());
     }
@@ -60,7 +62,9 @@ const SIZES: Sizes = Sizes {
 };
 
 fn draw(context: &Context, sizes: &Sizes, seed: u64) -> DVector<f64> {
-    let root = Cholesky::new(dense(context, sizes)).expect("a covariance").l();
+    let root = Cholesky::new(dense(context, sizes))
+        .expect("a covariance")
+        .l();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let white = DVector::from_fn(context.samples(), |_, _| StandardNormal.sample(&mut rng));
     root * white
@@ -85,7 +89,8 @@ fn filter_and_scatter_equal_the_dense_covariance() {
     assert!((log_det - whitener.log_det()).abs() < 1e-7 * log_det.abs());
 }
 
-/// With it they agree within the grid's resolution: forms of smooth columns to 2 %, the determinant to 1e-3 a sample.
+/// With it they agree within the grid's resolution: forms of smooth columns to 2 %; the determinant to 0.08 a sample,
+/// because what the field does between nodes (a tenth of its variance) counts as private to each run.
 #[test]
 fn plate_field_agrees_with_the_dense_covariance() {
     let context = ramps(120, 2);
@@ -103,7 +108,7 @@ fn plate_field_agrees_with_the_dense_covariance() {
     }
     let log_det: f64 = 2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>();
     let gap = (log_det - whitener.log_det()).abs() / context.samples() as f64;
-    assert!(gap < 0.02, "log det differs by {gap} a sample");
+    assert!(gap < 0.08, "log det differs by {gap} a sample");
 }
 
 /// The two linear-time paths (rotations; banded information matrix) are the same covariance.
@@ -137,7 +142,11 @@ fn known_sizes_are_recovered() {
     let none = DMatrix::zeros(context.samples(), 0);
     let mean = DMatrix::from_fn(context.samples(), 2, |i, c| {
         let forward = context.scale[i] > 0.0;
-        if forward == (c == 0) { context.scale[i] } else { 0.0 }
+        if forward == (c == 0) {
+            context.scale[i]
+        } else {
+            0.0
+        }
     });
     let options = EstimateOptions {
         repeats: true,
@@ -146,10 +155,20 @@ fn known_sizes_are_recovered() {
     };
     let (mut sums, seeds) = ([0.0; 5], 12);
     for seed in 0..seeds {
-        let model = estimate(&context, &draw(&context, &SIZES, 10 + seed), &mean, &none, &options);
+        let model = estimate(
+            &context,
+            &draw(&context, &SIZES, 10 + seed),
+            &mean,
+            &none,
+            &options,
+        );
         assert!(model.plate_separable);
         assert_eq!(model.scatter.degrees_of_freedom(), 4);
-        assert!(model.log_sd.iter().all(|s| s.is_finite()), "{:?}", model.log_sd);
+        assert!(
+            model.log_sd.iter().all(|s| s.is_finite()),
+            "{:?}",
+            model.log_sd
+        );
         let s = model.sizes;
         for (sum, x) in sums.iter_mut().zip([
             (s.sensor / SIZES.sensor).ln(),
@@ -162,10 +181,18 @@ fn known_sizes_are_recovered() {
         }
     }
     for (k, limit) in [0.05, 0.08, 0.12, 0.2].into_iter().enumerate() {
-        assert!(sums[k].abs() < limit, "size {k}: mean log ratio {}", sums[k]);
+        assert!(
+            sums[k].abs() < limit,
+            "size {k}: mean log ratio {}",
+            sums[k]
+        );
     }
     // chi-squared with 4 degrees of freedom over 12 seeds: mean 1, standard deviation 0.2.
-    assert!((sums[4] - 1.0).abs() < 0.6, "scatter: mean square ratio {}", sums[4]);
+    assert!(
+        (sums[4] - 1.0).abs() < 0.6,
+        "scatter: mean square ratio {}",
+        sums[4]
+    );
 }
 
 /// White noise alone: the roughness comes out as nothing, and the sensor noise right.
@@ -192,7 +219,11 @@ fn absent_roughness_is_not_invented() {
         &EstimateOptions::default(),
     );
     assert!((model.sizes.sensor / sizes.sensor - 1.0).abs() < 0.1);
-    assert!(model.sizes.private < 3e-4 && model.sizes.plate < 3e-4, "{:?}", model.sizes);
+    assert!(
+        model.sizes.private < 3e-4 && model.sizes.plate < 3e-4,
+        "{:?}",
+        model.sizes
+    );
 }
 
 /// A single pass over the plate cannot tell the two roughnesses apart, and says so.

@@ -48,12 +48,7 @@ impl Whitener {
     /// Builds the recursions for a campaign's samples and the sizes of its noise.
     pub fn new(context: &Context, sizes: &Sizes) -> Self {
         let grid = Grid::new(context, sizes.length / NODES_PER_LENGTH);
-        let extra = if sizes.plate > 0.0 {
-            grid.bridge_variance(context, sizes)
-        } else {
-            vec![0.0; context.samples()]
-        };
-        let along = Along::new(context, sizes, &extra);
+        let along = Along::new(context, sizes, grid.unresolved(sizes.length));
         let mut log_det = along.log_det;
         let rotations = (sizes.plate > 0.0).then(|| {
             let rows = Rows::new(context, sizes, &grid, &along);
@@ -109,12 +104,10 @@ impl Whitener {
             return out;
         }
         // Columns are independent: the split over threads changes no bit.
-        out.as_mut_slice()
-            .par_chunks_mut(n * 8)
-            .for_each(|block| {
-                let mut parts: Vec<&mut [f64]> = block.chunks_mut(n).collect();
-                self.sweep(&mut parts);
-            });
+        out.as_mut_slice().par_chunks_mut(n * 8).for_each(|block| {
+            let mut parts: Vec<&mut [f64]> = block.chunks_mut(n).collect();
+            self.sweep(&mut parts);
+        });
         out
     }
 
