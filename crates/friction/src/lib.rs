@@ -1,1 +1,25 @@
 //! Laws of friction and normal contact: pure functions of state and speed, generic over the scalar.
+//!
+//! One inner state, the mean deflection of the bristles, carries all seven laws ([`LawKind`]). A [`Law`] is a law with
+//! its parameters; [`integrate`] drives it along a recorded motion. Every formula is generic over [`Scalar`], so the
+//! same code gives values (`f64`) and exact derivatives (dual numbers). No files, no clocks, no randomness but a
+//! generator that is passed in.
+
+mod curve;
+mod integrate;
+mod kind;
+mod law;
+mod laws;
+mod normal;
+mod parameter;
+pub mod radau;
+mod scalar;
+
+pub use curve::{Exponent, StribeckCurve};
+pub use integrate::{IntegrationError, Record, integrate, linear_stretches};
+pub use kind::{LawError, LawKind};
+pub use law::{Asymmetry, CosinePlacement, Drive, Evaluation, Law, Lean, Motion, SIGN_WIDTH};
+pub use laws::paper_form;
+pub use normal::Hertz;
+pub use parameter::ParameterSpec;
+pub use scalar::Scalar;

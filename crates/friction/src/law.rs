@@ -1,0 +1,417 @@
+//! A law of friction with its parameters: rate of the inner state and coefficient of friction.
+//!
+//! All dynamic laws share one form (E3, E4, E7), z being the mean deflection of the bristles (rad for bristle laws, m
+//! for LuGre and Dahl) and v the slip speed in m/s:
+//!
+//! ```text
+//! w   = v c(z) / h                        relative rate;  c = cos^2(z + theta0) for bristles, 1 else;  h = 1 else
+//! z'  = w - abs(w) z / g(abs(w))          g: Stribeck curve in units of z (E5 divided by sigma)
+//! mu  = (sigma0 z + sigma1 z' + sigma2 w) c(z)  + q v abs(v)
+//! ```
+//!
+//! Static laws have no state: mu = g(abs(v)) tanh(v/width) + sigma2 v. Sign: forward positive, friction has the sign
+//! of the slip. Where no load is recorded, `mu` is the force itself (N, N m) and the parameters carry its unit.
+
+use crate::{Exponent, LawKind, Scalar, StribeckCurve};
+
+/// Default width of the regularised sign of static laws, m/s: friction reaches 76 % of its level at this speed.
+pub const SIGN_WIDTH: f64 = 1e-5;
+
+/// Where the factor cos^2(theta + theta0) stands in E7: on all terms, or on the stiffness term alone. The source's
+/// equation is lost; both readings are kept as an axis of the multiverse.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CosinePlacement {
+    /// mu = (sigma0 theta + sigma1 theta' + sigma2 w) cos^2.
+    #[default]
+    AllTerms,
+    /// mu = sigma0 theta cos^2 + sigma1 theta' + sigma2 w.
+    StiffnessOnly,
+}
+
+/// Geometry of a leaning bristle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lean<D> {
+    /// Fixed lean theta0, rad.
+    pub angle: D,
+    /// Gap h between body and substrate, m.
+    pub height: f64,
+    /// Place of the cosine factor.
+    pub placement: CosinePlacement,
+}
+
+/// Forward friction over reverse friction, less one, for the Coulomb and the viscous part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Asymmetry<D> {
+    /// Ratio of the levels g, less one.
+    pub coulomb: D,
+    /// Ratio of the viscous coefficients, less one.
+    pub viscous: D,
+}
+
+/// What drives a law at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive<D> {
+    /// Slip speed v, m/s (rotary: rad/s), signed.
+    pub velocity: D,
+    /// Speed at which the Stribeck curve is read, >= 0: abs(v) unless friction has a memory.
+    pub curve_speed: D,
+    /// +1 or -1: the side of zero on which v counts.
+    pub sign: f64,
+    /// Factor on the static level (1: `None`).
+    pub rest_gain: Option<D>,
+}
+
+impl<D: Scalar> Drive<D> {
+    /// Slip at speed v without memory or ageing.
+    pub fn at(velocity: D) -> Self {
+        let sign = if velocity.value() < 0.0 { -1.0 } else { 1.0 };
+        Self {
+            velocity,
+            curve_speed: velocity * sign,
+            sign,
+            rest_gain: None,
+        }
+    }
+}
+
+/// Slip that changes linearly in time: drive and its slopes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion<D> {
+    /// The drive now.
+    pub drive: Drive<D>,
+    /// dv/dt, m/s^2.
+    pub acceleration: D,
+    /// d(curve speed)/dt, m/s^2.
+    pub curve_acceleration: D,
+}
+
+/// Rate and coefficient with their slopes in state and speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Evaluation<D> {
+    /// z'.
+    pub rate: D,
+    /// dz'/dz.
+    pub rate_z: D,
+    /// dz'/dv at fixed curve speed.
+    pub rate_v: D,
+    /// dz'/d(curve speed).
+    pub rate_curve: D,
+    /// mu.
+    pub coefficient: D,
+    /// dmu/dz.
+    pub coefficient_z: D,
+    /// dmu/dv, the curve speed moving along with abs(v).
+    pub coefficient_v: D,
+}
+
+/// A law with its parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Law<D> {
+    /// Which law.
+    pub kind: LawKind,
+    /// Stribeck curve: in units of the state for dynamic laws, of mu for static ones.
+    pub curve: StribeckCurve<D>,
+    /// sigma0: mu per unit of state.
+    pub stiffness: D,
+    /// sigma1: mu per unit of the state's rate.
+    pub damping: D,
+    /// sigma2: mu per unit of the relative rate w (static laws: of v).
+    pub viscous: D,
+    /// Quadratic viscous coefficient q, s^2/m^2.
+    pub quadratic: Option<D>,
+    /// Leaning bristles.
+    pub lean: Option<Lean<D>>,
+    /// Dependence on direction of a symmetric law.
+    pub asymmetry: Option<Asymmetry<D>>,
+    /// Width of the regularised sign of static laws, m/s.
+    pub sign_width: f64,
+}
+
+/// What rate and coefficient have in common at one instant.
+struct Kinematics<D> {
+    /// c(z)/h and its slope in z.
+    gear: D,
+    gear_z: D,
+    /// c(z) and its slope.
+    projection: D,
+    projection_z: D,
+    /// Relative rate w.
+    rate: D,
+    /// g, dg/du.
+    level: D,
+    level_slope: D,
+}
+
+impl<D: Scalar> Law<D> {
+    /// Whether the law has an inner state.
+    pub fn is_dynamic(&self) -> bool {
+        self.kind.is_dynamic()
+    }
+
+    /// Only the real parts.
+    pub fn real(&self) -> Law<f64> {
+        Law {
+            kind: self.kind,
+            curve: self.curve.real(),
+            stiffness: self.stiffness.value(),
+            damping: self.damping.value(),
+            viscous: self.viscous.value(),
+            quadratic: self.quadratic.map(|q| q.value()),
+            lean: self.lean.map(|lean| Lean {
+                angle: lean.angle.value(),
+                height: lean.height,
+                placement: lean.placement,
+            }),
+            asymmetry: self.asymmetry.map(|a| Asymmetry {
+                coulomb: a.coulomb.value(),
+                viscous: a.viscous.value(),
+            }),
+            sign_width: self.sign_width,
+        }
+    }
+
+    /// (factor on the level, factor on the viscous part) for this side of zero.
+    #[inline]
+    fn direction_factors(&self, sign: f64) -> Option<(D, D)> {
+        match self.asymmetry {
+            Some(a) if sign > 0.0 => Some((a.coulomb + 1.0, a.viscous + 1.0)),
+            _ => None,
+        }
+    }
+
+    #[inline(always)]
+    fn level(&self, u: D, drive: &Drive<D>) -> (D, D) {
+        let (level, slope) = self.curve.level(u, drive.rest_gain);
+        match self.direction_factors(drive.sign) {
+            Some((factor, _)) => (level * factor, slope * factor),
+            None => (level, slope),
+        }
+    }
+
+    #[inline(always)]
+    fn kinematics(&self, z: D, drive: &Drive<D>) -> Kinematics<D> {
+        let (projection, projection_z, gear, gear_z) = match &self.lean {
+            Some(lean) => {
+                // c = cos^2(z + theta0), dc/dz = -2 sin cos
+                let (sin, cos) = (z + lean.angle).sin_cos();
+                let (c, c_z) = (cos * cos, sin * cos * -2.0);
+                (c, c_z, c * (1.0 / lean.height), c_z * (1.0 / lean.height))
+            }
+            None => {
+                let (one, zero) = (D::constant(1.0), D::constant(0.0));
+                (one, zero, one, zero)
+            }
+        };
+        // E4: w = (v/h) cos^2(z + theta0)
+        let rate = drive.velocity * gear;
+        let (level, level_slope) = self.level(drive.curve_speed * gear, drive);
+        Kinematics {
+            gear,
+            gear_z,
+            projection,
+            projection_z,
+            rate,
+            level,
+            level_slope,
+        }
+    }
+
+    /// z' in units of the state per second (E3); zero for static laws.
+    #[inline(always)]
+    pub fn state_rate(&self, z: D, drive: &Drive<D>) -> D {
+        if !self.is_dynamic() {
+            return D::constant(0.0);
+        }
+        let k = self.kinematics(z, drive);
+        // E3: z' = w (1 - sgn(w) z / g)
+        k.rate * (-(z * drive.sign) / k.level + 1.0)
+    }
+
+    /// (z', dz'/dz): what a Newton step needs.
+    #[inline(always)]
+    pub(crate) fn rate_and_slope(&self, z: D, drive: &Drive<D>) -> (D, D) {
+        let k = self.kinematics(z, drive);
+        let (rate, rate_z, _, _) = Self::rate_slopes(&k, z, drive);
+        (rate, rate_z)
+    }
+
+    /// (z', z'') along a motion of constant acceleration.
+    #[inline(always)]
+    pub(crate) fn first_two_rates(&self, z: D, motion: &Motion<D>) -> (D, D) {
+        let k = self.kinematics(z, &motion.drive);
+        let (rate, rate_z, rate_v, rate_curve) = Self::rate_slopes(&k, z, &motion.drive);
+        (
+            rate,
+            rate_z * rate + rate_v * motion.acceleration + rate_curve * motion.curve_acceleration,
+        )
+    }
+
+    /// z', dz'/dz, dz'/dv, dz'/du with u the speed at which the curve is read.
+    #[inline(always)]
+    fn rate_slopes(k: &Kinematics<D>, z: D, drive: &Drive<D>) -> (D, D, D, D) {
+        let inverse = k.level.recip();
+        let signed = z * drive.sign * inverse;
+        let left = -signed + 1.0;
+        // d(1/g)/du = -g'/g^2
+        let by_level = k.rate * signed * k.level_slope * inverse;
+        let rate_z = drive.velocity * k.gear_z * left - k.rate * inverse * drive.sign
+            + by_level * drive.curve_speed * k.gear_z;
+        (k.rate * left, rate_z, k.gear * left, by_level * k.gear)
+    }
+
+    /// mu (E7), or the force itself where no load is recorded.
+    #[inline(always)]
+    pub fn coefficient(&self, z: D, drive: &Drive<D>) -> D {
+        if !self.is_dynamic() {
+            return self.static_coefficient(drive).0;
+        }
+        let k = self.kinematics(z, drive);
+        let rate = k.rate * (-(z * drive.sign) / k.level + 1.0);
+        let viscous = self.viscous_of(drive.sign);
+        let losses = self.damping * rate + viscous * k.rate;
+        let mu = match &self.lean {
+            None => self.stiffness * z + losses,
+            Some(lean) => match lean.placement {
+                CosinePlacement::AllTerms => (self.stiffness * z + losses) * k.projection,
+                CosinePlacement::StiffnessOnly => self.stiffness * z * k.projection + losses,
+            },
+        };
+        self.with_quadratic(mu, drive)
+    }
+
+    #[inline(always)]
+    fn viscous_of(&self, sign: f64) -> D {
+        match self.direction_factors(sign) {
+            Some((_, factor)) => self.viscous * factor,
+            None => self.viscous,
+        }
+    }
+
+    #[inline(always)]
+    fn with_quadratic(&self, mu: D, drive: &Drive<D>) -> D {
+        match self.quadratic {
+            // velocity strengthening: q v abs(v)
+            Some(q) => mu + q * drive.velocity * drive.velocity * drive.sign,
+            None => mu,
+        }
+    }
+
+    /// mu and dmu/dv of a static law.
+    fn static_coefficient(&self, drive: &Drive<D>) -> (D, D) {
+        let (level, slope) = self.level(drive.curve_speed, drive);
+        // mu = g(abs v) tanh(v/width) + sigma2 v
+        let sign = (drive.velocity / self.sign_width).tanh();
+        let sign_slope = (-(sign * sign) + 1.0) / self.sign_width;
+        let viscous = self.viscous_of(drive.sign);
+        let mu = level * sign + viscous * drive.velocity;
+        let mut mu_v = slope * drive.sign * sign + level * sign_slope + viscous;
+        if let Some(q) = self.quadratic {
+            mu_v += q * drive.velocity * (2.0 * drive.sign);
+        }
+        (self.with_quadratic(mu, drive), mu_v)
+    }
+
+    /// Rate and coefficient with all slopes.
+    pub fn evaluate(&self, z: D, drive: &Drive<D>) -> Evaluation<D> {
+        let zero = D::constant(0.0);
+        if !self.is_dynamic() {
+            let (coefficient, coefficient_v) = self.static_coefficient(drive);
+            return Evaluation {
+                rate: zero,
+                rate_z: zero,
+                rate_v: zero,
+                rate_curve: zero,
+                coefficient,
+                coefficient_z: zero,
+                coefficient_v,
+            };
+        }
+        let k = self.kinematics(z, drive);
+        let (rate, rate_z, rate_v, rate_curve) = Self::rate_slopes(&k, z, drive);
+        let viscous = self.viscous_of(drive.sign);
+        let along_v = rate_v + rate_curve * drive.sign;
+        let losses = self.damping * rate + viscous * k.rate;
+        let losses_z = self.damping * rate_z + viscous * drive.velocity * k.gear_z;
+        let losses_v = self.damping * along_v + viscous * k.gear;
+        let elastic = self.stiffness * z;
+        let all = self
+            .lean
+            .as_ref()
+            .is_none_or(|l| l.placement == CosinePlacement::AllTerms);
+        let (p, p_z) = (k.projection, k.projection_z);
+        let (mu, mu_z, mut mu_v) = if all {
+            (
+                (elastic + losses) * p,
+                (self.stiffness + losses_z) * p + (elastic + losses) * p_z,
+                losses_v * p,
+            )
+        } else {
+            (
+                elastic * p + losses,
+                self.stiffness * p + elastic * p_z + losses_z,
+                losses_v,
+            )
+        };
+        if let Some(q) = self.quadratic {
+            mu_v += q * drive.velocity * (2.0 * drive.sign);
+        }
+        Evaluation {
+            rate,
+            rate_z,
+            rate_v,
+            rate_curve,
+            coefficient: self.with_quadratic(mu, drive),
+            coefficient_z: mu_z,
+            coefficient_v: mu_v,
+        }
+    }
+
+    /// Deflection at which the state rests while v is held: z = sgn(v) g(abs(v) c(z)/h).
+    ///
+    /// Newton's iteration on the real part, then one step that carries the derivatives (implicit function theorem).
+    pub fn steady_state(&self, velocity: D) -> D {
+        if !self.is_dynamic() {
+            return D::constant(0.0);
+        }
+        let drive = Drive::at(velocity);
+        let real = self.real();
+        let real_drive = Drive::at(velocity.value());
+        let residual = |law: &Law<f64>, z: f64| {
+            let k = law.kinematics(z, &real_drive);
+            let slope = 1.0 - real_drive.sign * k.level_slope * real_drive.curve_speed * k.gear_z;
+            (z - real_drive.sign * k.level, slope)
+        };
+        let mut z = real_drive.sign * real.curve.kinetic;
+        for _ in 0..50 {
+            let (r, slope) = residual(&real, z);
+            let step = r / if slope.abs() > 0.2 { slope } else { 1.0 };
+            z -= step;
+            if step.abs() <= 1e-15 * z.abs() {
+                break;
+            }
+        }
+        let (_, slope) = residual(&real, z);
+        let lifted = D::constant(z);
+        let k = self.kinematics(lifted, &drive);
+        lifted - (lifted - k.level * drive.sign) / slope
+    }
+
+    /// Coefficient of friction while v is held.
+    pub fn steady_coefficient(&self, velocity: D) -> D {
+        self.coefficient(self.steady_state(velocity), &Drive::at(velocity))
+    }
+
+    /// The same law with another Stribeck exponent.
+    pub fn with_exponent(mut self, exponent: Exponent<D>) -> Self {
+        self.curve.exponent = exponent;
+        self
+    }
+
+    /// The same law with the cosine factor in another place; no effect on laws without lean.
+    pub fn with_placement(mut self, placement: CosinePlacement) -> Self {
+        if let Some(lean) = &mut self.lean {
+            lean.placement = placement;
+        }
+        self
+    }
+}
