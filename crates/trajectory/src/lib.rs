@@ -1,1 +1,43 @@
-//! Direct collocation and sequential quadratic programming on Clarabel: functions and sparsity, not robots.
+//! Direct collocation and sequential quadratic programming on Clarabel:
+//! functions and sparsity, not robots.
+//!
+//! A [`Programme`] is made of small blocks, each a function of a few variables
+//! written once over [`Scalar`]. [`solve`] finds a local minimum and says in a
+//! [`Status`] and a [`Certificate`] what is known about it.
+
+// Sparse and block loops run over slots of several arrays at once.
+#![allow(clippy::needless_range_loop)]
+
+mod certificate;
+mod convexify;
+mod derivatives;
+mod elastic;
+mod iterate;
+mod merit;
+mod model;
+mod newton;
+mod optimality;
+mod options;
+mod pattern;
+mod penalty;
+mod polish;
+mod programme;
+mod proposal;
+mod qp;
+mod scalar;
+mod scaling;
+mod soc;
+mod solution;
+mod solver;
+mod status;
+
+pub use certificate::Certificate;
+pub use convexify::HessianModel;
+pub use optimality::OptimalityError;
+pub use options::Options;
+pub use programme::{Block, LinearRow, Programme, ProgrammeError, Row, Variable};
+pub use scalar::Scalar;
+pub use scaling::Multipliers;
+pub use solution::{Counters, Iteration, Solution, Start, StepKind};
+pub use solver::solve;
+pub use status::Status;

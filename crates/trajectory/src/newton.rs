@@ -1,0 +1,284 @@
+//! Newton's step on an identified active set, with the exact Hessian.
+//!
+//! ```text
+//! ⎡ H    J_Aᵀ ⎤ ⎡ d  ⎤     ⎡ g + J_Aᵀ y ⎤
+//! ⎣ J_A   0   ⎦ ⎣ Δy ⎦ = − ⎣ c_A − b_A  ⎦        variables at a bound: d_j = bound − x_j
+//! ```
+//!
+//! Rows outside the active set stay in the matrix as `−1` on the diagonal, so
+//! the pattern, and with it the symbolic factorisation, never changes. The
+//! matrix is factorised as LDLᵀ without pivoting; `±δ` on the diagonal keeps
+//! pivots alive and iterative refinement removes rounding. The signs of D give
+//! the inertia: with exactly `n` positive ones the reduced Hessian is positive
+//! definite and the step is a minimiser of the subproblem.
+
+use crate::model::Structure;
+use crate::pattern::{Pattern, max_abs};
+use clarabel::algebra::CscMatrix;
+use clarabel::qdldl::{QDLDLFactorisation, QDLDLSettingsBuilder};
+
+/// Shift of the Hessian's diagonal.
+const PRIMAL_SHIFT: f64 = 1e-9;
+/// Shift of the active rows' diagonal.
+const DUAL_SHIFT: f64 = 1e-9;
+/// Refinement stops at this relative residual.
+const REFINED: f64 = 1e-13;
+/// A solve whose relative residual stays above this is refused.
+const ACCEPTABLE: f64 = 1e-8;
+
+/// The rows and variables held at a limit.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ActiveSet {
+    pub rows: Vec<bool>,
+    pub bounds: Vec<bool>,
+}
+
+/// Where a held row or variable sits, chosen by the sign of its multiplier.
+pub(crate) fn nearest_limit(value: f64, lower: f64, upper: f64) -> f64 {
+    if (value - lower).abs() <= (value - upper).abs() {
+        lower
+    } else {
+        upper
+    }
+}
+
+/// Newton's step and the multipliers after it.
+#[derive(Clone, Debug)]
+pub(crate) struct NewtonStep {
+    pub d: Vec<f64>,
+    pub y: Vec<f64>,
+    pub z: Vec<f64>,
+    /// The reduced Hessian is positive definite.
+    pub positive_definite: bool,
+}
+
+/// The matrix, its factorisation and scratch space.
+pub(crate) struct NewtonSystem {
+    pattern: Pattern,
+    values: Vec<f64>,
+    hessian_slots: Vec<usize>,
+    jacobian_slots: Vec<usize>,
+    diagonal: Vec<usize>,
+    every_slot: Vec<usize>,
+    factors: Option<QDLDLFactorisation<f64>>,
+    /// Number of factorisations done.
+    pub factorisations: usize,
+}
+
+impl NewtonSystem {
+    pub(crate) fn new(s: &Structure) -> Self {
+        let (n, m) = (s.variables(), s.rows());
+        let mut entries: Vec<(usize, usize)> =
+            s.hessian.entries().map(|(_, r, c)| (r, c)).collect();
+        entries.extend(s.jacobian.entries().map(|(_, r, c)| (c, n + r)));
+        entries.extend((0..m).map(|r| (n + r, n + r)));
+        let pattern = Pattern::from_entries(n + m, n + m, entries);
+        let hessian_slots = s
+            .hessian
+            .entries()
+            .map(|(_, r, c)| pattern.slot(r, c))
+            .collect();
+        let jacobian_slots = s
+            .jacobian
+            .entries()
+            .map(|(_, r, c)| pattern.slot(c, n + r))
+            .collect();
+        let diagonal = (0..n + m).map(|k| pattern.slot(k, k)).collect();
+        let every_slot = (0..pattern.len()).collect();
+        let values = vec![0.0; pattern.len()];
+        Self {
+            pattern,
+            values,
+            hessian_slots,
+            jacobian_slots,
+            diagonal,
+            every_slot,
+            factors: None,
+            factorisations: 0,
+        }
+    }
+
+    /// Fills and factorises the matrix for an active set; the number of positive pivots.
+    pub(crate) fn factorise(
+        &mut self,
+        s: &Structure,
+        hessian: &[f64],
+        jacobian: &[f64],
+        active: &ActiveSet,
+    ) -> Option<usize> {
+        let n = s.variables();
+        self.values.fill(0.0);
+        for ((k, r, c), &slot) in s.hessian.entries().zip(&self.hessian_slots) {
+            if !active.bounds[r] && !active.bounds[c] {
+                self.values[slot] = hessian[k];
+            }
+        }
+        for ((k, r, c), &slot) in s.jacobian.entries().zip(&self.jacobian_slots) {
+            if active.rows[r] && !active.bounds[c] {
+                self.values[slot] = jacobian[k];
+            }
+        }
+        for v in 0..n {
+            self.values[self.diagonal[v]] += if active.bounds[v] { 1.0 } else { PRIMAL_SHIFT };
+        }
+        for r in 0..s.rows() {
+            self.values[self.diagonal[n + r]] = if active.rows[r] { -DUAL_SHIFT } else { -1.0 };
+        }
+        if self.values.iter().any(|v| !v.is_finite()) {
+            return None;
+        }
+        self.factorisations += 1;
+        if self.factors.is_none() {
+            self.factors = self.symbolic();
+        }
+        let factors = self.factors.as_mut()?;
+        factors.update_values(&self.every_slot, &self.values);
+        factors.refactor().ok()?;
+        let finite = factors.Dinv.iter().all(|d| d.is_finite());
+        finite.then(|| factors.positive_inertia())
+    }
+
+    fn symbolic(&self) -> Option<QDLDLFactorisation<f64>> {
+        let matrix = CscMatrix::new(
+            self.pattern.rows,
+            self.pattern.columns,
+            self.pattern.starts.clone(),
+            self.pattern.row_of.clone(),
+            self.values.clone(),
+        );
+        let settings = QDLDLSettingsBuilder::default()
+            .logical(true)
+            .regularize_enable(false)
+            .build()
+            .ok()?;
+        QDLDLFactorisation::new(&matrix, Some(settings)).ok()
+    }
+
+    /// Solves with the last factorisation, refined; `None` if it stays inaccurate.
+    pub(crate) fn solve(&mut self, rhs: &[f64]) -> Option<Vec<f64>> {
+        let factors = self.factors.as_mut()?;
+        let size = max_abs(rhs);
+        if size == 0.0 {
+            return Some(vec![0.0; rhs.len()]);
+        }
+        let mut x = vec![0.0; rhs.len()];
+        let mut residual = rhs.to_vec();
+        let mut best = f64::INFINITY;
+        for _ in 0..12 {
+            let mut correction = residual.clone();
+            factors.solve(&mut correction);
+            let trial: Vec<f64> = x.iter().zip(&correction).map(|(x, c)| x + c).collect();
+            let mut product = vec![0.0; rhs.len()];
+            self.pattern
+                .add_symmetric_product(&self.values, &trial, &mut product);
+            let trial_residual: Vec<f64> = rhs.iter().zip(&product).map(|(b, p)| b - p).collect();
+            let error = max_abs(&trial_residual) / size;
+            if error >= best {
+                break;
+            }
+            (x, residual, best) = (trial, trial_residual, error);
+            if best <= REFINED {
+                break;
+            }
+        }
+        (best <= ACCEPTABLE).then_some(x)
+    }
+
+    /// Newton's step from `(x, y)` on `active`.
+    #[allow(clippy::too_many_arguments)]
+    pub(crate) fn step(
+        &mut self,
+        s: &Structure,
+        hessian: &[f64],
+        gradient: &[f64],
+        jacobian: &[f64],
+        x: &[f64],
+        rows: &[f64],
+        y: &[f64],
+        active: &ActiveSet,
+        limits: &Limits,
+    ) -> Option<NewtonStep> {
+        let (n, m) = (s.variables(), s.rows());
+        let positive = self.factorise(s, hessian, jacobian, active)?;
+        let held: Vec<f64> = (0..n)
+            .map(|v| {
+                if active.bounds[v] {
+                    limits.bounds[v] - x[v]
+                } else {
+                    0.0
+                }
+            })
+            .collect();
+        let y: Vec<f64> = (0..m)
+            .map(|r| if active.rows[r] { y[r] } else { 0.0 })
+            .collect();
+        let mut pull = gradient.to_vec();
+        s.jacobian.add_transposed_product(jacobian, &y, &mut pull);
+        s.hessian.add_symmetric_product(hessian, &held, &mut pull);
+        let mut moved = vec![0.0; m];
+        s.jacobian.add_product(jacobian, &held, &mut moved);
+        let mut rhs = vec![0.0; n + m];
+        for v in 0..n {
+            rhs[v] = if active.bounds[v] { held[v] } else { -pull[v] };
+        }
+        for r in 0..m {
+            if active.rows[r] {
+                rhs[n + r] = limits.rows[r] - rows[r] - moved[r];
+            }
+        }
+        let solution = self.solve(&rhs)?;
+        let d = solution[..n].to_vec();
+        let y: Vec<f64> = (0..m)
+            .map(|r| {
+                if active.rows[r] {
+                    y[r] + solution[n + r]
+                } else {
+                    0.0
+                }
+            })
+            .collect();
+        // z_j = −(g + Hd + Jᵀy)_j where a bound holds the variable.
+        let mut z = gradient.to_vec();
+        s.hessian.add_symmetric_product(hessian, &d, &mut z);
+        s.jacobian.add_transposed_product(jacobian, &y, &mut z);
+        for v in 0..n {
+            z[v] = if active.bounds[v] { -z[v] } else { 0.0 };
+        }
+        Some(NewtonStep {
+            d,
+            y,
+            z,
+            positive_definite: positive == n,
+        })
+    }
+}
+
+/// The limit at which every held row or variable sits.
+#[derive(Clone, Debug)]
+pub(crate) struct Limits {
+    pub rows: Vec<f64>,
+    pub bounds: Vec<f64>,
+}
+
+impl Limits {
+    /// The side is told by the multiplier; without one, by distance.
+    pub(crate) fn of(s: &Structure, x: &[f64], rows: &[f64], y: &[f64], z: &[f64]) -> Self {
+        let side = |value: f64, multiplier: f64, lower: f64, upper: f64| {
+            if multiplier > 0.0 && upper.is_finite() {
+                upper
+            } else if multiplier < 0.0 && lower.is_finite() {
+                lower
+            } else {
+                nearest_limit(value, lower, upper)
+            }
+        };
+        Self {
+            rows: (0..s.rows())
+                .map(|r| side(rows[r], y[r], s.row_lower[r], s.row_upper[r]))
+                .collect(),
+            bounds: (0..s.variables())
+                .map(|v| side(x[v], z[v], s.lower[v], s.upper[v]))
+                .collect(),
+        }
+    }
+}

@@ -1,0 +1,308 @@
+//! Where the next step comes from: Newton on the known active set, the convex
+//! subproblem, or the elastic one.
+//!
+//! A Newton step that keeps all inactive limits, has a positive definite
+//! reduced Hessian and multipliers of the right sign *is* a local minimiser of
+//! the subproblem with the exact Hessian. It is therefore tried first on the
+//! active set that Clarabel found last, and again on each new one.
+
+use crate::convexify::{self, Convexity};
+use crate::elastic::{self, ElasticStep};
+use crate::iterate::Iterate;
+use crate::merit;
+use crate::model::{Evaluator, Structure};
+use crate::newton::{ActiveSet, Limits, NewtonStep, NewtonSystem};
+use crate::pattern::max_abs;
+use crate::qp::{QpData, QpStep, Subproblem};
+use crate::solution::{Counters, StepKind};
+use crate::{HessianModel, Options, Status};
+
+/// A step with multipliers and the active set it is made for.
+#[derive(Clone, Debug)]
+pub(crate) struct Proposal {
+    pub kind: StepKind,
+    pub d: Vec<f64>,
+    pub y: Vec<f64>,
+    pub z: Vec<f64>,
+    /// dᵀHd with the Hessian that made the step.
+    pub curvature: f64,
+    /// Least penalty that this step asks for (elastic steps).
+    pub penalty: f64,
+}
+
+/// The workspace that proposes steps.
+pub(crate) struct Proposer<'e> {
+    evaluator: &'e dyn Evaluator,
+    options: &'e Options,
+    subproblem: Subproblem,
+    elastic: Option<Subproblem>,
+    pub newton: NewtonSystem,
+    groups: Vec<Vec<f64>>,
+    pub hessian: Vec<f64>,
+    convex: Vec<f64>,
+    pub active: Option<ActiveSet>,
+    pub convexity: Convexity,
+    convex_is_current: bool,
+}
+
+impl<'e> Proposer<'e> {
+    pub(crate) fn new(evaluator: &'e dyn Evaluator, options: &'e Options) -> Self {
+        let s = evaluator.structure();
+        Self {
+            evaluator,
+            options,
+            subproblem: Subproblem::new(s),
+            elastic: None,
+            newton: NewtonSystem::new(s),
+            groups: vec![Vec::new(); s.groups.len()],
+            hessian: vec![0.0; s.hessian.len()],
+            convex: vec![0.0; s.hessian.len()],
+            active: None,
+            convexity: Convexity {
+                smallest: f64::NAN,
+                changed: 0,
+            },
+            convex_is_current: false,
+        }
+    }
+
+    fn s(&self) -> &'e Structure {
+        self.evaluator.structure()
+    }
+
+    /// Evaluates the Hessian of the Lagrangian at `at`; false if it is not finite.
+    pub(crate) fn refresh_hessian(&mut self, at: &Iterate, counters: &mut Counters) -> bool {
+        counters.hessian_evaluations += 1;
+        self.evaluator.second(&at.x, 1.0, &at.y, &mut self.groups);
+        convexify::assemble(self.s(), &self.groups, &mut self.hessian);
+        self.convex_is_current = false;
+        self.convexity = Convexity {
+            smallest: f64::NAN,
+            changed: 0,
+        };
+        self.hessian.iter().all(|h| h.is_finite())
+    }
+
+    fn refresh_convex(&mut self, at: &Iterate, counters: &mut Counters) {
+        if self.convex_is_current {
+            return;
+        }
+        if self.options.hessian == HessianModel::CostOnly {
+            counters.hessian_evaluations += 1;
+            self.evaluator
+                .second(&at.x, 1.0, &vec![0.0; at.y.len()], &mut self.groups);
+        }
+        let (model, floor) = (self.options.hessian, self.options.curvature_floor);
+        self.convexity =
+            convexify::assemble_convex(self.s(), &self.groups, model, floor, &mut self.convex);
+        self.convex_is_current = true;
+    }
+
+    /// Newton's step on the active set of the last subproblem, if it solves
+    /// the subproblem with the exact Hessian.
+    pub(crate) fn newton_step(
+        &mut self,
+        at: &Iterate,
+        counters: &mut Counters,
+    ) -> Option<Proposal> {
+        let active = self.active.clone()?;
+        let s = self.s();
+        let limits = Limits::of(s, &at.x, &at.rows, &at.y, &at.z);
+        self.newton_on(at, &active, &limits, counters)
+    }
+
+    fn newton_on(
+        &mut self,
+        at: &Iterate,
+        active: &ActiveSet,
+        limits: &Limits,
+        counters: &mut Counters,
+    ) -> Option<Proposal> {
+        let s = self.s();
+        let step = self.newton.step(
+            s,
+            &self.hessian,
+            &at.gradient,
+            &at.jacobian,
+            &at.x,
+            &at.rows,
+            &at.y,
+            active,
+            limits,
+        );
+        counters.factorisations = self.newton.factorisations;
+        let step = step.filter(|step| {
+            step.positive_definite && solves_subproblem(s, at, active, limits, step)
+        })?;
+        let curvature = s.hessian.quadratic_form(&self.hessian, &step.d);
+        Some(Proposal {
+            kind: StepKind::Newton,
+            d: step.d,
+            y: step.y,
+            z: step.z,
+            curvature,
+            penalty: 0.0,
+        })
+    }
+
+    /// The step of the convex subproblem, replaced by Newton's step on its
+    /// active set where that is allowed and better.
+    pub(crate) fn subproblem_step(
+        &mut self,
+        at: &Iterate,
+        penalty: f64,
+        newton: bool,
+        tolerance: f64,
+        counters: &mut Counters,
+    ) -> Result<Proposal, Status> {
+        self.refresh_convex(at, counters);
+        let s = self.s();
+        let data = QpData {
+            hessian: &self.convex,
+            gradient: &at.gradient,
+            jacobian: &at.jacobian,
+            x: &at.x,
+            rows: &at.rows,
+        };
+        counters.subproblems += 1;
+        let solved = self.subproblem.solve(s, &data, tolerance);
+        let step = match solved {
+            Ok(step) => step,
+            Err(_) => return self.elastic_step(at, penalty, counters),
+        };
+        counters.interior_iterations += step.iterations;
+        let active = ActiveSet {
+            rows: step.active_rows.clone(),
+            bounds: step.active_bounds.clone(),
+        };
+        self.active = Some(active.clone());
+        if newton {
+            let limits = Limits::of(s, &at.x, &at.rows, &step.y, &step.z);
+            if let Some(proposal) = self.newton_on(at, &active, &limits, counters) {
+                return Ok(proposal);
+            }
+        }
+        Ok(self.convex_proposal(StepKind::Subproblem, step, 0.0))
+    }
+
+    /// The step of the elastic subproblem.
+    pub(crate) fn elastic_step(
+        &mut self,
+        at: &Iterate,
+        penalty: f64,
+        counters: &mut Counters,
+    ) -> Result<Proposal, Status> {
+        self.refresh_convex(at, counters);
+        let s = self.s();
+        let data = QpData {
+            hessian: &self.convex,
+            gradient: &at.gradient,
+            jacobian: &at.jacobian,
+            x: &at.x,
+            rows: &at.rows,
+        };
+        let subproblem = self
+            .elastic
+            .get_or_insert_with(|| Subproblem::new_elastic(s));
+        let mut solved = 0;
+        let outcome = elastic::solve(
+            s,
+            subproblem,
+            &data,
+            penalty,
+            self.options.max_penalty,
+            &mut counters.interior_iterations,
+            &mut solved,
+        );
+        counters.elastic += solved;
+        counters.subproblems += solved;
+        self.active = None;
+        match outcome {
+            ElasticStep::Step(step, price) => {
+                Ok(self.convex_proposal(StepKind::Elastic, step, price))
+            }
+            ElasticStep::NoRelief => Err(Status::LocallyInfeasible),
+            ElasticStep::Failed => Err(Status::SubproblemFailed),
+        }
+    }
+
+    /// The subproblem linearised from other row values: a second-order correction.
+    pub(crate) fn corrected_step(
+        &mut self,
+        at: &Iterate,
+        rows: &[f64],
+        counters: &mut Counters,
+    ) -> Option<Proposal> {
+        self.refresh_convex(at, counters);
+        let s = self.s();
+        let data = QpData {
+            hessian: &self.convex,
+            gradient: &at.gradient,
+            jacobian: &at.jacobian,
+            x: &at.x,
+            rows,
+        };
+        counters.subproblems += 1;
+        let step = self.subproblem.solve(s, &data, 1e-8).ok()?;
+        counters.interior_iterations += step.iterations;
+        Some(self.convex_proposal(StepKind::Corrected, step, 0.0))
+    }
+
+    fn convex_proposal(&self, kind: StepKind, step: QpStep, penalty: f64) -> Proposal {
+        let curvature = self.s().hessian.quadratic_form(&self.convex, &step.d);
+        Proposal {
+            kind,
+            d: step.d,
+            y: step.y,
+            z: step.z,
+            curvature,
+            penalty,
+        }
+    }
+}
+
+/// Does Newton's step keep the inactive limits and have multipliers of the right sign?
+fn solves_subproblem(
+    s: &Structure,
+    at: &Iterate,
+    active: &ActiveSet,
+    limits: &Limits,
+    step: &NewtonStep,
+) -> bool {
+    let size = 1.0 + max_abs(&step.y);
+    let wrong = |multiplier: f64, limit: f64, lower: f64, upper: f64| {
+        lower < upper
+            && ((limit == upper && multiplier < -1e-9 * size)
+                || (limit == lower && multiplier > 1e-9 * size))
+    };
+    let mut moved = at.rows.clone();
+    s.jacobian.add_product(&at.jacobian, &step.d, &mut moved);
+    let rows_fit = (0..s.rows()).all(|r| {
+        if active.rows[r] {
+            !wrong(step.y[r], limits.rows[r], s.row_lower[r], s.row_upper[r])
+        } else {
+            moved[r] <= s.row_upper[r] + 1e-9 && moved[r] >= s.row_lower[r] - 1e-9
+        }
+    });
+    rows_fit
+        && (0..s.variables()).all(|v| {
+            let x = at.x[v] + step.d[v];
+            if active.bounds[v] {
+                !wrong(step.z[v], limits.bounds[v], s.lower[v], s.upper[v])
+            } else {
+                x <= s.upper[v] + 1e-9 && x >= s.lower[v] - 1e-9
+            }
+        })
+}
+
+/// gᵀd + ½ max(0, dᵀHd) and the relief v − v_lin of a proposal.
+pub(crate) fn model_change(s: &Structure, at: &Iterate, proposal: &Proposal) -> (f64, f64, f64) {
+    let slope = crate::pattern::dot(&at.gradient, &proposal.d);
+    let before = merit::violation(s, &at.rows);
+    let after = merit::linear_violation(s, &at.rows, &at.jacobian, &proposal.d);
+    (
+        slope,
+        slope + 0.5 * proposal.curvature.max(0.0),
+        before - after,
+    )
+}
