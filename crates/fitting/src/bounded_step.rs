@@ -1,6 +1,8 @@
 //! The damped Gauss-Newton step inside a box, exactly.
 //!
-//!     min over s of 1/2 |R s + c|^2 + 1/2 lambda |D s|^2   subject to   l - p <= s <= u - p
+//! ```text
+//! min over s of 1/2 |R s + c|^2 + 1/2 lambda |D s|^2   subject to   l - p <= s <= u - p
+//! ```
 //!
 //! With lambda > 0 and D > 0 it is strictly convex, so the active-set method for bounded least squares (Stark and
 //! Parker 1995, "Bounded-variable least-squares") ends at its one minimiser: parameters that belong on a bound are put

@@ -2,7 +2,9 @@
 //!
 //! At p with residuals r and Jacobian J = Q R the step minimises the damped linear model inside the box,
 //!
-//!     min over s of 1/2 |R s + Q^T r|^2 + 1/2 lambda |D s|^2,   l <= p + s <= u,
+//! ```text
+//! min over s of 1/2 |R s + Q^T r|^2 + 1/2 lambda |D s|^2,   l <= p + s <= u,
+//! ```
 //!
 //! D_j being the largest norm of column j met so far (Moré 1978, "The Levenberg-Marquardt algorithm"), which makes the
 //! method indifferent to units. lambda follows the ratio of actual to predicted reduction (Nielsen 1999,

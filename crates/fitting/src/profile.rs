@@ -1,6 +1,8 @@
 //! Profile likelihood: how much the fit suffers when one parameter is held and all others follow.
 //!
-//!     D(x) = |r(x, p(x))|^2 - |r(p_hat)|^2,   p(x) = argmin over the other parameters
+//! ```text
+//! D(x) = |r(x, p(x))|^2 - |r(p_hat)|^2,   p(x) = argmin over the other parameters
+//! ```
 //!
 //! An interval is {x : D(x) <= threshold}; with whitened residuals and a noise level that was itself estimated with nu degrees of
 //! freedom the threshold is the squared t quantile ([`crate::criteria::t_quantile`]). The ends are found by
