@@ -4,6 +4,7 @@
 //! hides, it hides at the level of physics (a mass on a cord, a heat balance, a plate with a texture, a filter in the
 //! sensor), and a part of it has deliberately another shape than the program's catalogue.
 
+mod contact;
 pub mod effect;
 pub mod integrator;
 pub mod law;
@@ -11,5 +12,6 @@ pub mod machine;
 pub mod motion;
 pub mod package;
 pub mod plan;
+pub mod published;
 pub mod roughness;
 pub mod stand_ins;

@@ -9,61 +9,41 @@ use crate::machine::{Rig, STANDARD_GRAVITY_M_S2, run_day};
 use crate::motion::Motion;
 use crate::package::{Label, files};
 use crate::plan::{Axis, Noise, Plan, RunPlan};
+use crate::published::Published;
 use crate::roughness::Tails;
 use serde::Deserialize;
-use std::collections::BTreeMap;
 use std::path::Path;
 
-/// The recipe as it stands in `data/campaigns/recipe.toml`.
+/// The recipe as it stands in `data/campaigns/recipe.toml`: our choices; the paper's numbers come from the published
+/// ones.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Recipe {
+struct Choices {
     #[serde(rename = "schema")]
     _schema: String,
-    geometry: Geometry,
     lean: Lean,
-    materials: BTreeMap<String, Material>,
     protocol: Ramps,
     noise: Imperfections,
     campaign: Vec<Entry>,
 }
 
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Geometry {
-    bristle_length_mm: f64,
-    bristle_diameter_mm: f64,
-    contact_height_mm: f64,
+/// The recipe together with the published numbers that it draws on.
+#[derive(Clone, Debug)]
+pub struct Recipe {
+    choices: Choices,
+    published: Published,
 }
 
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Lean {
-    steady_forward: f64,
-    steady_reverse: f64,
     window_mm_s: [f64; 2],
     bracket_rad: [f64; 2],
 }
 
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Material {
-    sigma: f64,
-    sigma0: f64,
-    sigma1: f64,
-    sigma2: f64,
-    theta_c: f64,
-    theta_s: f64,
-    w_sc_rad_s: f64,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
 struct Ramps {
-    end_speed_mm_s: f64,
-    travel_mm: f64,
-    repeats: usize,
-    sample_rate_hz: f64,
     order: String,
     interval_s: f64,
 }
@@ -75,7 +55,6 @@ struct Imperfections {
     correlation_mm: f64,
     plate_share: f64,
     sensor_full_scale_n: f64,
-    sensor_accuracy_percent_fs: f64,
     scatter_percent: f64,
 }
 
@@ -86,7 +65,6 @@ struct Entry {
     title: String,
     material: String,
     layout: String,
-    mass_g: f64,
     seed: u64,
     cord_stiffness_n_m: Option<f64>,
     cord_damping_ratio: Option<f64>,
@@ -96,47 +74,47 @@ struct Entry {
 pub type Failure = Box<dyn std::error::Error>;
 
 impl Recipe {
-    /// Reads the recipe.
+    /// Reads the recipe in `folder` and the published numbers beside that folder.
     ///
     /// # Errors
-    /// If the file cannot be read or is not a recipe.
-    pub fn read(path: &Path) -> Result<Self, Failure> {
-        let text = std::fs::read_to_string(path)
+    /// If a file cannot be read or is not what it should be.
+    pub fn read(folder: &Path) -> Result<Self, Failure> {
+        let path = folder.join("recipe.toml");
+        let text = std::fs::read_to_string(&path)
             .map_err(|error| format!("{}: {error}", path.display()))?;
-        Ok(toml::from_str(&text).map_err(|error| format!("{}: {error}", path.display()))?)
+        let choices =
+            toml::from_str(&text).map_err(|error| format!("{}: {error}", path.display()))?;
+        let published = Published::read(&folder.join("../published.toml"))?;
+        Ok(Self { choices, published })
     }
 
     fn law(&self, material: &str, theta0_rad: f64) -> Result<Law, Failure> {
-        let m = self
-            .materials
-            .get(material)
-            .ok_or_else(|| format!("the recipe has no material {material:?}"))?;
+        let row = |name: &str| self.published.number(&format!("table2.{material}.{name}"));
         Ok(Law::AsymmetricBristle(Bristle {
-            sigma: m.sigma,
-            theta_c: m.theta_c,
-            theta_s: m.theta_s,
-            w_sc: m.w_sc_rad_s,
-            sigma0: m.sigma0,
-            sigma1: m.sigma1,
-            sigma2: m.sigma2,
+            sigma: row("sigma")?,
+            theta_c: row("theta_c")?,
+            theta_s: row("theta_s")?,
+            w_sc: row("omega_sc")?,
+            sigma0: row("sigma0")?,
+            sigma1: row("sigma1")?,
+            sigma2: row("sigma2")?,
             theta0_rad,
-            height_m: self.geometry.contact_height_mm * 1e-3,
+            height_m: self.published.number("brush.contact_height")? * 1e-3,
         }))
     }
 
     /// The day at the rig: ramps from rest, in both directions, at one load.
     fn plan(&self, load_n: f64) -> Result<Plan, Failure> {
-        let ramps = &self.protocol;
-        let travel_m = ramps.travel_mm * 1e-3;
-        let end_m_s = ramps.end_speed_mm_s * 1e-3;
+        let ramps = &self.choices.protocol;
+        let travel_m = self.published.number("protocol.travel")? * 1e-3;
+        let end_m_s = self.published.number("protocol.end_speed")? * 1e-3;
+        let repeats = self.published.number("protocol.repeats")? as usize;
         // Uniform acceleration from rest covers x = v t / 2.
         let duration_s = 2.0 * travel_m / end_m_s;
         let directions: Vec<&'static str> = match ramps.order.as_str() {
-            "alternating" => (0..ramps.repeats)
-                .flat_map(|_| ["forward", "reverse"])
-                .collect(),
+            "alternating" => (0..repeats).flat_map(|_| ["forward", "reverse"]).collect(),
             "blocked" => {
-                let block = |direction| std::iter::repeat_n(direction, ramps.repeats);
+                let block = |direction| std::iter::repeat_n(direction, repeats);
                 block("forward").chain(block("reverse")).collect()
             }
             other => {
@@ -169,26 +147,26 @@ impl Recipe {
             .collect();
         Ok(Plan {
             axis: Axis::Linear,
-            sample_rate_hz: ramps.sample_rate_hz,
+            sample_rate_hz: self.published.number("rig.sample_rate")?,
             travel_m,
-            full_scale_n: self.noise.sensor_full_scale_n,
-            accuracy_percent: self.noise.sensor_accuracy_percent_fs,
+            full_scale_n: self.choices.noise.sensor_full_scale_n,
+            accuracy_percent: self.published.number("rig.sensor_accuracy")?,
             moving_mass_kg: None,
             records_position: false,
             runs,
         })
     }
 
-    fn noise(&self) -> Noise {
-        Noise {
-            roughness: self.noise.roughness_percent / 100.0,
-            correlation_m: self.noise.correlation_mm * 1e-3,
-            plate_share: self.noise.plate_share,
-            sensor_n: self.noise.sensor_accuracy_percent_fs / 100.0
-                * self.noise.sensor_full_scale_n,
-            scatter: self.noise.scatter_percent / 100.0,
+    fn noise(&self) -> Result<Noise, Failure> {
+        Ok(Noise {
+            roughness: self.choices.noise.roughness_percent / 100.0,
+            correlation_m: self.choices.noise.correlation_mm * 1e-3,
+            plate_share: self.choices.noise.plate_share,
+            sensor_n: self.published.number("rig.sensor_accuracy")? / 100.0
+                * self.choices.noise.sensor_full_scale_n,
+            scatter: self.choices.noise.scatter_percent / 100.0,
             tails: Tails::Normal,
-        }
+        })
     }
 
     /// Mean of |mu| over the window of speeds on noise-free ramps: (forward, reverse).
@@ -202,7 +180,7 @@ impl Recipe {
         let mut plan = self.plan(load_n)?;
         plan.runs.dedup_by_key(|run| run.direction);
         plan.runs.truncate(2);
-        let [low, high] = self.lean.window_mm_s.map(|speed| speed * 1e-3);
+        let [low, high] = self.choices.lean.window_mm_s.map(|speed| speed * 1e-3);
         let means: Vec<f64> = run_day(&rig, &plan, &Noise::NONE, 0)
             .iter()
             .map(|recording| {
@@ -226,11 +204,11 @@ impl Recipe {
     pub fn lean_rad(&self) -> Result<f64, Failure> {
         let misfit = |theta0: f64| -> Result<f64, Failure> {
             let (forward, reverse) = self.steady(theta0)?;
-            Ok((forward - self.lean.steady_forward).powi(2)
-                + (reverse - self.lean.steady_reverse).powi(2))
+            Ok((forward - self.published.number("steady.forward")?).powi(2)
+                + (reverse - self.published.number("steady.reverse")?).powi(2))
         };
         let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
-        let [mut low, mut high] = self.lean.bracket_rad;
+        let [mut low, mut high] = self.choices.lean.bracket_rad;
         // 1e-6 rad moves the steady coefficients by less than 1e-6: two orders below their last published digit.
         while high - low > 1e-6 {
             let (left, right) = (high - golden * (high - low), low + golden * (high - low));
@@ -250,7 +228,7 @@ impl Recipe {
     pub fn campaigns(&self) -> Result<Vec<(String, String)>, Failure> {
         let theta0_rad = self.lean_rad()?;
         let mut all = Vec::new();
-        for entry in &self.campaign {
+        for entry in &self.choices.campaign {
             for (path, text) in self.campaign_files(entry, theta0_rad)? {
                 all.push((format!("{}/{path}", entry.name), text));
             }
@@ -263,7 +241,10 @@ impl Recipe {
         entry: &Entry,
         theta0_rad: f64,
     ) -> Result<Vec<(String, String)>, Failure> {
-        let mass_kg = entry.mass_g * 1e-3;
+        let mass_kg = self
+            .published
+            .number(&format!("brush.mass_{}", entry.layout))?
+            * 1e-3;
         let load_n = mass_kg * STANDARD_GRAVITY_M_S2;
         let mut effects = Vec::new();
         if let Some(stiffness) = entry.cord_stiffness_n_m {
@@ -282,7 +263,7 @@ impl Recipe {
             reference_load_n: load_n,
         };
         let plan = self.plan(load_n)?;
-        let recordings = run_day(&rig, &plan, &self.noise(), entry.seed);
+        let recordings = run_day(&rig, &plan, &self.noise()?, entry.seed);
         let names: Vec<String> = plan
             .runs
             .iter()
@@ -300,9 +281,9 @@ impl Recipe {
             ),
             specimen: Some(serde_json::json!({
                 "layout": entry.layout,
-                "bristle_length_mm": self.geometry.bristle_length_mm,
-                "bristle_diameter_mm": self.geometry.bristle_diameter_mm,
-                "contact_height_mm": self.geometry.contact_height_mm,
+                "bristle_length_mm": self.published.number("brush.bristle_length")?,
+                "bristle_diameter_mm": self.published.number("brush.bristle_diameter")?,
+                "contact_height_mm": self.published.number("brush.contact_height")?,
             })),
             counterface: Some(entry.material.clone()),
         };
@@ -315,7 +296,7 @@ impl Recipe {
 /// # Errors
 /// Whatever reading the recipe or writing the files reports.
 pub fn regenerate(folder: &Path) -> Result<usize, Failure> {
-    let all = Recipe::read(&folder.join("recipe.toml"))?.campaigns()?;
+    let all = Recipe::read(folder)?.campaigns()?;
     for (path, text) in &all {
         let target = folder.join(path);
         if let Some(parent) = target.parent() {
@@ -331,7 +312,7 @@ pub fn regenerate(folder: &Path) -> Result<usize, Failure> {
 /// # Errors
 /// Whatever reading the recipe reports.
 pub fn check(folder: &Path) -> Result<Vec<String>, Failure> {
-    let recipe = Recipe::read(&folder.join("recipe.toml"))?;
+    let recipe = Recipe::read(folder)?;
     let all = recipe.campaigns()?;
     let mut complaints = Vec::new();
     for (path, text) in &all {
@@ -341,7 +322,7 @@ pub fn check(folder: &Path) -> Result<Vec<String>, Failure> {
             Err(error) => complaints.push(format!("{path}: {error}")),
         }
     }
-    for entry in &recipe.campaign {
+    for entry in &recipe.choices.campaign {
         if let Ok(listing) = std::fs::read_dir(folder.join(&entry.name).join("runs")) {
             for file in listing.flatten() {
                 let path = format!("{}/runs/{}", entry.name, file.file_name().to_string_lossy());
