@@ -99,6 +99,10 @@ pub(crate) struct Contact<'a> {
     pub(crate) index: usize,
     pub(crate) rocking: Rocking,
     pub(crate) load_n: f64,
+    /// Moving mass that the experimenter knows, kg.
+    pub(crate) known_mass_kg: f64,
+    /// Half the time between samples, s: over it the stage changes its acceleration.
+    pub(crate) half_sample_s: f64,
     /// A time within the interval being integrated: picks the side of a jump in speed.
     pub(crate) inside_s: f64,
 }
@@ -383,18 +387,16 @@ impl Contact<'_> {
             None => instant.friction_n,
         };
         let loaded_n = self.plan.load_n.unwrap_or(0.0);
-        let mut force = led;
+        let acceleration = self.plate_motion.acceleration(time_s, self.half_sample_s);
+        // The inertia of a drive's stated mass is part of every reading.
+        let mut force = led + self.known_mass_kg * acceleration;
         for effect in &self.rig.effects {
             force += match *effect {
                 Effect::StageTilt { angle_rad } => {
                     loaded_n * angle_rad.sin() * if self.plan.stage_turned { -1.0 } else { 1.0 }
                 }
                 Effect::LoadCrosstalk { ratio } => ratio * loaded_n,
-                Effect::MovingInertia { mass_kg } => {
-                    mass_kg
-                        * self.plate_motion.acceleration(self.inside_s)
-                        * self.ripple(state[self.layout.stage])
-                }
+                Effect::MovingInertia { mass_kg } => mass_kg * acceleration,
                 Effect::ForceZeroOffset { force_n } => force_n,
                 Effect::ForceZeroDrift { rate_n_s } => rate_n_s * (self.plan.started_s + time_s),
                 _ => 0.0,

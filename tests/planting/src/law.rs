@@ -157,6 +157,22 @@ impl Law {
         }
     }
 
+    /// Coefficient after long sliding forward at `v` > 0, by relaxation of the inner state.
+    pub fn steady_coefficient(&self, v: f64) -> f64 {
+        // The inner state is steady where its rate vanishes: z = g/sigma, reached by a damped fixed-point iteration.
+        let mut z = 0.0;
+        let step = 0.1 * self.state_scale()
+            / self
+                .evaluate(0.0, v, &Surroundings::PLAIN)
+                .0
+                .abs()
+                .max(1e-12);
+        for _ in 0..400 {
+            z += step * self.evaluate(z, v, &Surroundings::PLAIN).0;
+        }
+        self.evaluate(z, v, &Surroundings::PLAIN).1
+    }
+
     /// Scale of the inner state, for tolerances: the deflection at which friction is fully built up.
     pub fn state_scale(&self) -> f64 {
         match self {

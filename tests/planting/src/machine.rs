@@ -134,6 +134,8 @@ fn record_run(
         index,
         rocking: rocking(rig, run, index, seed, purpose + 4),
         load_n: run.load_n.unwrap_or(1.0),
+        known_mass_kg: plan.moving_mass_kg.unwrap_or(0.0),
+        half_sample_s: 0.5 / plan.sample_rate_hz,
         inside_s: 0.0,
     };
     let mut recording = integrate(&mut contact, plan, history);

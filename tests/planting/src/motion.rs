@@ -58,14 +58,14 @@ impl Motion {
         piece.v0 + share * (piece.v1 - piece.v0)
     }
 
-    /// Acceleration at `time_s`.
-    pub fn acceleration(&self, time_s: f64) -> f64 {
-        let piece = self.piece(time_s);
-        if time_s >= self.duration_s() {
+    /// Mean acceleration over `half_window_s` either way: no stage changes its acceleration in no time.
+    pub fn acceleration(&self, time_s: f64, half_window_s: f64) -> f64 {
+        let before = if time_s < half_window_s {
             0.0
         } else {
-            (piece.v1 - piece.v0) / (piece.t1 - piece.t0)
-        }
+            self.speed(time_s - half_window_s)
+        };
+        (self.speed(time_s + half_window_s) - before) / (2.0 * half_window_s)
     }
 
     /// Distance from the start at `time_s`, signed.
@@ -157,7 +157,7 @@ mod tests {
         let ramp = Motion::through(&[(0.0, 0.0), (10.0, 0.06)]);
         assert!((ramp.position(10.0) - 0.3).abs() < 1e-15);
         assert!((ramp.speed(5.0) - 0.03).abs() < 1e-15);
-        assert!((ramp.acceleration(5.0) - 0.006).abs() < 1e-15);
+        assert!((ramp.acceleration(5.0, 0.01) - 0.006).abs() < 1e-13);
     }
 
     /// A follower behind a play loses exactly one gap for each reversal.

@@ -1,0 +1,259 @@
+//! Draws an effect of a named kind: its size as a multiple of a physically plausible one, its other parameters
+//! (periods, phases, time constants) at random within what such rigs show.
+
+use crate::effect::{Course, Effect, Filter, Wave};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use std::f64::consts::TAU;
+
+/// The causes of the catalogue.
+pub const CAUSES: [&str; 27] = [
+    "stage-ripple",
+    "cord-compliance",
+    "stribeck-shape",
+    "velocity-strengthening",
+    "lean-angle",
+    "bristle-set",
+    "wear",
+    "thermal-softening",
+    "surface-texture",
+    "surface-gradient",
+    "load-dependence",
+    "load-oscillation",
+    "force-zero-offset",
+    "stage-tilt",
+    "force-zero-drift",
+    "force-gain",
+    "sensor-lag",
+    "force-saturation",
+    "force-resolution",
+    "clock-offset",
+    "direction-asymmetry",
+    "frictional-memory",
+    "dwell-ageing",
+    "backlash",
+    "velocity-lag",
+    "load-crosstalk",
+    "moving-inertia",
+];
+
+/// Effects outside the catalogue.
+pub const ALIENS: [&str; 6] = [
+    "alien-scratch",
+    "alien-plate-step",
+    "alien-stick-slip-burst",
+    "alien-loose-clamp",
+    "alien-second-population",
+    "alien-debris",
+];
+
+/// Causes that can be planted in a second shape.
+pub const SECOND_SHAPES: [&str; 8] = [
+    "stage-ripple",
+    "cord-compliance",
+    "wear",
+    "surface-texture",
+    "load-oscillation",
+    "sensor-lag",
+    "frictional-memory",
+    "velocity-lag",
+];
+
+/// Scales of the rig that sizes refer to.
+#[derive(Clone, Copy, Debug)]
+pub struct Scales {
+    /// Largest friction force of a healthy day, N.
+    pub force_n: f64,
+    /// Top speed, m/s.
+    pub speed_m_s: f64,
+    /// Length of the plate, m.
+    pub travel_m: f64,
+    /// Path of the whole day, m.
+    pub path_m: f64,
+    /// Duration of the whole day, s.
+    pub day_s: f64,
+    /// Highest acceleration, m/s^2.
+    pub acceleration_m_s2: f64,
+    /// Distance over which the inner state builds up, m.
+    pub build_up_m: f64,
+}
+
+/// An effect of the kind `id`, `size` times the plausible one; `second` chooses another mechanism where there is one.
+/// Returns `None` for an unknown id.
+pub fn draw(
+    id: &str,
+    size: f64,
+    second: bool,
+    scales: &Scales,
+    generator: &mut ChaCha8Rng,
+) -> Option<Effect> {
+    let mut between = |low: f64, high: f64| low + (high - low) * generator.random::<f64>();
+    let phase_rad = between(0.0, TAU);
+    let share = between(0.0, 1.0);
+    let sign = if between(0.0, 1.0) < 0.5 { -1.0 } else { 1.0 };
+    // A length between a sixtieth and a twelfth of the plate, evenly in its logarithm.
+    let length_m = scales.travel_m / 60.0 * 5.0_f64.powf(share);
+    let wave = if second { Wave::Square } else { Wave::Sine };
+    let filter = if second {
+        Filter::SecondOrder
+    } else {
+        Filter::FirstOrder
+    };
+    let duration_s = scales.travel_m / scales.speed_m_s;
+    let effect = match id {
+        "stage-ripple" => Effect::StageRipple {
+            amplitude: 0.10 * size,
+            pitch_m: length_m,
+            phase_rad,
+            wave: if second { Wave::Triangle } else { Wave::Sine },
+        },
+        "cord-compliance" => {
+            // Stretch of a two-hundredth of the plate under the full force; damping a tenth of critical.
+            let compliance_m_n = size * 5e-3 * scales.travel_m / scales.force_n;
+            let mass = 0.2;
+            Effect::CordCompliance {
+                compliance_m_n,
+                damping_n_s_m: 0.2 * (mass / compliance_m_n).sqrt(),
+                hardening_m: second.then_some(1.2 * compliance_m_n * scales.force_n),
+            }
+        }
+        "stribeck-shape" => Effect::StribeckShape {
+            exponent_minus_2: (sign * size).clamp(-1.6, 6.0),
+        },
+        "velocity-strengthening" => Effect::VelocityStrengthening {
+            quadratic_s2_m2: 0.08 * size / scales.speed_m_s.powi(2),
+        },
+        "lean-angle" => Effect::LeanAngle {
+            angle_rad: 0.05 * size * sign,
+        },
+        "bristle-set" => Effect::BristleSet {
+            angle_rad: 0.04 * size * sign,
+            runs: between(0.7, 2.5),
+        },
+        "wear" => Effect::Wear {
+            amplitude: 0.08 * size * sign,
+            distance_m: scales.path_m * between(0.15, 0.6),
+            course: if second {
+                Course::Power(0.4)
+            } else {
+                Course::Saturating
+            },
+        },
+        "thermal-softening" => Effect::ThermalSoftening {
+            strength_per_j: 0.08 * size / (scales.force_n * scales.travel_m),
+            time_constant_s: duration_s * between(3.0, 15.0),
+        },
+        "surface-texture" => Effect::SurfaceTexture {
+            amplitude: 0.02 * size,
+            wavelength_m: length_m,
+            phase_rad,
+            wave,
+        },
+        "surface-gradient" => Effect::SurfaceGradient {
+            slope_per_m: sign * 0.06 * size / scales.travel_m,
+        },
+        "load-dependence" => Effect::LoadDependence {
+            exponent: sign * 0.1 * size,
+        },
+        "load-oscillation" => Effect::LoadOscillation {
+            amplitude: 0.02 * size,
+            frequency_hz: 0.4 * 12.0_f64.powf(share),
+            phase_rad,
+            wave: if second { Wave::Triangle } else { Wave::Sine },
+        },
+        "force-zero-offset" => Effect::ForceZeroOffset {
+            force_n: sign * 0.03 * size * scales.force_n,
+        },
+        "stage-tilt" => Effect::StageTilt {
+            angle_rad: sign * 0.025 * size,
+        },
+        "force-zero-drift" => Effect::ForceZeroDrift {
+            rate_n_s: sign * 0.05 * size * scales.force_n / scales.day_s,
+        },
+        "force-gain" => Effect::ForceGain {
+            gain_minus_1: sign * 0.05 * size,
+        },
+        "sensor-lag" => Effect::SensorLag {
+            time_constant_s: 0.1 * size,
+            filter,
+        },
+        "force-saturation" => Effect::ForceSaturation {
+            level_n: scales.force_n * (1.0 - 0.08 * size).max(0.3),
+        },
+        "force-resolution" => Effect::ForceResolution {
+            step_n: 0.02 * size * scales.force_n,
+        },
+        "clock-offset" => Effect::ClockOffset {
+            delay_s: sign * 0.08 * size,
+        },
+        "direction-asymmetry" => Effect::DirectionAsymmetry {
+            coulomb_ratio_minus_1: sign * 0.1 * size,
+            viscous_ratio_minus_1: sign * 0.2 * size,
+        },
+        "frictional-memory" => {
+            if second {
+                Effect::FrictionalMemory {
+                    time_constant_s: None,
+                    distance_m: Some(0.5 * size * scales.build_up_m),
+                }
+            } else {
+                Effect::FrictionalMemory {
+                    time_constant_s: Some(0.2 * size),
+                    distance_m: None,
+                }
+            }
+        }
+        "dwell-ageing" => Effect::DwellAgeing {
+            per_decade: 0.06 * size,
+        },
+        "backlash" => Effect::Backlash {
+            gap_m: 0.15 * size * scales.build_up_m,
+        },
+        "velocity-lag" => Effect::VelocityLag {
+            time_constant_s: 0.1 * size,
+            filter,
+        },
+        "load-crosstalk" => Effect::LoadCrosstalk {
+            ratio: sign * 0.025 * size,
+        },
+        "moving-inertia" => Effect::MovingInertia {
+            mass_kg: 0.05 * size * scales.force_n / scales.acceleration_m_s2,
+        },
+        "alien-scratch" => Effect::Scratch {
+            depth: 0.15 * size,
+            at_m: scales.travel_m * between(0.3, 0.8),
+            width_m: scales.travel_m / 100.0,
+        },
+        "alien-plate-step" => Effect::PlateStep {
+            height: sign * 0.08 * size,
+            at_m: scales.travel_m * between(0.35, 0.7),
+        },
+        "alien-stick-slip-burst" => {
+            let from_s = duration_s * between(0.5, 1.0);
+            Effect::StickSlipBurst {
+                amplitude: 0.2 * size,
+                from_s,
+                to_s: from_s + 0.3 * duration_s,
+                frequency_hz: between(3.0, 9.0),
+                first_run: (3.0 * share) as usize,
+                every: 2,
+            }
+        }
+        "alien-loose-clamp" => Effect::LooseClamp {
+            rock_rad: 0.06 * size * sign,
+            mean_dwell_s: 0.25 * duration_s,
+            from_run: 1 + (2.0 * share) as usize,
+        },
+        "alien-second-population" => Effect::SecondPopulation {
+            share: (0.3 * size).min(0.8),
+            length_ratio: 6.0,
+            lean_rad: 0.5,
+        },
+        "alien-debris" => Effect::Debris {
+            amplitude: 0.1 * size,
+            interval_m: scales.travel_m / 8.0,
+        },
+        _ => return None,
+    };
+    Some(effect)
+}
