@@ -6,7 +6,7 @@
 //! ```text
 //! w   = v c(z) / h                        relative rate;  c = cos^2(z + theta0) for bristles, 1 else;  h = 1 else
 //! z'  = w - abs(w) z / g(abs(w))          g: Stribeck curve in units of z (E5 divided by sigma)
-//! mu  = (sigma0 z + sigma1 z' + sigma2 w) c(z)  + q v abs(v)
+//! mu  = (sigma0 z + sigma1 z' + sigma2 w) c(z)
 //! ```
 //!
 //! Static laws have no state: mu = g(abs(v)) tanh(v/width) + sigma2 v. Sign: forward positive, friction has the sign
@@ -39,7 +39,7 @@ pub struct Lean<D> {
     pub placement: CosinePlacement,
 }
 
-/// Forward friction over reverse friction, less one, for the Coulomb and the viscous part.
+/// Reverse friction over forward friction, less one, for the Coulomb and the viscous part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Asymmetry<D> {
     /// Ratio of the levels g, less one.
@@ -117,8 +117,6 @@ pub struct Law<D> {
     pub damping: D,
     /// sigma2: mu per unit of the relative rate w (static laws: of v).
     pub viscous: D,
-    /// Quadratic viscous coefficient q, s^2/m^2.
-    pub quadratic: Option<D>,
     /// Leaning bristles.
     pub lean: Option<Lean<D>>,
     /// Dependence on direction of a symmetric law.
@@ -156,7 +154,6 @@ impl<D: Scalar> Law<D> {
             stiffness: self.stiffness.value(),
             damping: self.damping.value(),
             viscous: self.viscous.value(),
-            quadratic: self.quadratic.map(|q| q.value()),
             lean: self.lean.map(|lean| Lean {
                 angle: lean.angle.value(),
                 height: lean.height,
@@ -174,7 +171,7 @@ impl<D: Scalar> Law<D> {
     #[inline]
     fn direction_factors(&self, sign: f64) -> Option<(D, D)> {
         match self.asymmetry {
-            Some(a) if sign > 0.0 => Some((a.coulomb + 1.0, a.viscous + 1.0)),
+            Some(a) if sign < 0.0 => Some((a.coulomb + 1.0, a.viscous + 1.0)),
             _ => None,
         }
     }
@@ -269,14 +266,13 @@ impl<D: Scalar> Law<D> {
         let rate = k.rate * (-(z * drive.sign) / k.level + 1.0);
         let viscous = self.viscous_of(drive.sign);
         let losses = self.damping * rate + viscous * k.rate;
-        let mu = match &self.lean {
+        match &self.lean {
             None => self.stiffness * z + losses,
             Some(lean) => match lean.placement {
                 CosinePlacement::AllTerms => (self.stiffness * z + losses) * k.projection,
                 CosinePlacement::StiffnessOnly => self.stiffness * z * k.projection + losses,
             },
-        };
-        self.with_quadratic(mu, drive)
+        }
     }
 
     #[inline(always)]
@@ -284,15 +280,6 @@ impl<D: Scalar> Law<D> {
         match self.direction_factors(sign) {
             Some((_, factor)) => self.viscous * factor,
             None => self.viscous,
-        }
-    }
-
-    #[inline(always)]
-    fn with_quadratic(&self, mu: D, drive: &Drive<D>) -> D {
-        match self.quadratic {
-            // velocity strengthening: q v abs(v)
-            Some(q) => mu + q * drive.velocity * drive.velocity * drive.sign,
-            None => mu,
         }
     }
 
@@ -304,11 +291,8 @@ impl<D: Scalar> Law<D> {
         let sign_slope = (-(sign * sign) + 1.0) / self.sign_width;
         let viscous = self.viscous_of(drive.sign);
         let mu = level * sign + viscous * drive.velocity;
-        let mut mu_v = slope * drive.sign * sign + level * sign_slope + viscous;
-        if let Some(q) = self.quadratic {
-            mu_v += q * drive.velocity * (2.0 * drive.sign);
-        }
-        (self.with_quadratic(mu, drive), mu_v)
+        let mu_v = slope * drive.sign * sign + level * sign_slope + viscous;
+        (mu, mu_v)
     }
 
     /// Rate and coefficient with all slopes.
@@ -339,7 +323,7 @@ impl<D: Scalar> Law<D> {
             .as_ref()
             .is_none_or(|l| l.placement == CosinePlacement::AllTerms);
         let (p, p_z) = (k.projection, k.projection_z);
-        let (mu, mu_z, mut mu_v) = if all {
+        let (mu, mu_z, mu_v) = if all {
             (
                 (elastic + losses) * p,
                 (self.stiffness + losses_z) * p + (elastic + losses) * p_z,
@@ -352,15 +336,12 @@ impl<D: Scalar> Law<D> {
                 losses_v,
             )
         };
-        if let Some(q) = self.quadratic {
-            mu_v += q * drive.velocity * (2.0 * drive.sign);
-        }
         Evaluation {
             rate,
             rate_z,
             rate_v,
             rate_curve,
-            coefficient: self.with_quadratic(mu, drive),
+            coefficient: mu,
             coefficient_z: mu_z,
             coefficient_v: mu_v,
         }

@@ -1,1 +1,28 @@
 //! The measurement chain: law, stations and a run's protocol to the predicted record, with derivatives.
+//!
+//! ```text
+//! stage -> coupling -> contact (law, surface, history) -> load -> sensor -> clock -> recorded force
+//! ```
+//!
+//! An [`Experiment`] is a campaign prepared for prediction, a [`Model`] a law with the effects that act at the
+//! stations, a [`Cause`] one such effect. Nothing here knows which causes exist, reads a file other than a
+//! [`ModelFile`], or fits anything.
+
+mod chain;
+mod cord;
+mod effect;
+mod experiment;
+mod jacobian;
+mod model;
+mod model_file;
+mod scales;
+pub mod signal;
+mod station;
+
+pub use cord::Coupling;
+pub use effect::{Cause, ChainScalar, Hook, Hooks, Place, Reach, Reported, Requirement};
+pub use experiment::{Experiment, ExperimentError, GRAVITY_M_S2, RunMotion};
+pub use model::{Model, ModelError};
+pub use model_file::{ExtensionEntry, ModelFile, ModelFileError, ParameterEntry, SCHEMA};
+pub use scales::Scales;
+pub use station::Station;

@@ -15,7 +15,6 @@ pub(crate) fn build<D: Scalar>(p: &[D]) -> Law<D> {
         stiffness: p[1],
         damping: D::constant(0.0),
         viscous: D::constant(0.0),
-        quadratic: None,
         lean: None,
         asymmetry: None,
         sign_width: SIGN_WIDTH,

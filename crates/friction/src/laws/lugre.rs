@@ -25,7 +25,6 @@ pub(crate) fn build<D: Scalar>(p: &[D]) -> Law<D> {
         stiffness: p[3],
         damping: p[4],
         viscous: p[5],
-        quadratic: None,
         lean: None,
         asymmetry: None,
         sign_width: SIGN_WIDTH,

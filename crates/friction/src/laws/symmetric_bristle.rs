@@ -43,7 +43,6 @@ pub(crate) fn build<D: Scalar>(p: &[D], height_m: f64) -> Law<D> {
         stiffness: p[2],
         damping: p[3],
         viscous: p[4],
-        quadratic: None,
         lean: Some(Lean {
             angle: D::constant(0.0),
             height: height_m,

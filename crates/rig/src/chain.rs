@@ -1,0 +1,281 @@
+//! One campaign through the chain, for one scalar.
+
+use friction::{Drive, IntegrationError, Law, Record, Scalar, integrate};
+
+use crate::cord::{Corded, tension};
+use crate::{ChainScalar, Coupling, Experiment, Hook, Model, Place, Reach, RunMotion};
+
+/// What a prediction needs besides the model and the experiment.
+pub(crate) struct Pass<'a, D> {
+    pub(crate) model: &'a Model,
+    pub(crate) experiment: &'a Experiment,
+    pub(crate) parameters: &'a [D],
+    /// Effects that take part: those off their null, and those whose derivatives are asked for.
+    pub(crate) active: Vec<bool>,
+    /// Whether the state of the contact depends on a seeded parameter; if not, it is computed in `f64`.
+    pub(crate) state_varies: bool,
+}
+
+impl<D: ChainScalar> Pass<'_, D> {
+    /// Recorded force of all runs, N; NaN over a run whose state leaves the numbers.
+    pub(crate) fn predict(&self) -> Vec<D> {
+        let mut memories: Vec<Vec<D>> = self
+            .model
+            .effects
+            .iter()
+            .map(|cause| vec![D::constant(0.0); cause.memory()])
+            .collect();
+        let mut out = Vec::with_capacity(self.experiment.samples());
+        for (index, run) in self.experiment.runs.iter().enumerate() {
+            if !self.experiment.has_order {
+                memories
+                    .iter_mut()
+                    .flatten()
+                    .for_each(|m| *m = D::constant(0.0));
+            }
+            match self.run(index, run, &mut memories) {
+                Ok(force) => out.extend(force),
+                Err(_) => out.resize(out.len() + run.len(), D::constant(f64::NAN)),
+            }
+        }
+        out
+    }
+
+    fn acts(&self, reach: Reach) -> bool {
+        self.model
+            .effects
+            .iter()
+            .zip(&self.active)
+            .any(|(cause, &active)| active && cause.reach() == reach)
+    }
+
+    fn run(
+        &self,
+        index: usize,
+        run: &RunMotion,
+        memories: &mut [Vec<D>],
+    ) -> Result<Vec<D>, IntegrationError> {
+        let at = Place {
+            experiment: self.experiment,
+            run,
+        };
+        let n = run.len();
+
+        // contact: the law of this run
+        let mut law = self.model.law_with(self.parameters);
+        self.each_with_memory(Reach::Law, memories, |cause, p, memory| {
+            D::call(
+                cause,
+                p,
+                at,
+                Hook::Law {
+                    law: &mut law,
+                    memory,
+                },
+            );
+        });
+
+        // stage: recorded velocity -> slip speed. A specimen turned round meets the plate the other way.
+        let turn = if run.specimen_turned { -1.0 } else { 1.0 };
+        let mut velocity: Vec<D> = run.velocity_m_s.iter().map(|&v| D::constant(v)).collect();
+        self.in_place(Reach::Stage, run, &mut velocity, |velocity| Hook::Stage {
+            velocity,
+        });
+        let curve_speed = self.acts(Reach::CurveSpeed).then(|| {
+            let mut speed: Vec<D> = velocity.iter().map(Scalar::magnitude).collect();
+            self.in_place(Reach::CurveSpeed, run, &mut speed, |speed| {
+                Hook::CurveSpeed { speed }
+            });
+            speed
+        });
+        let rest_gain = self.acts(Reach::RestGain).then(|| {
+            let mut gain = vec![D::constant(1.0); n];
+            self.in_place(Reach::RestGain, run, &mut gain, |gain| Hook::RestGain {
+                gain,
+            });
+            gain
+        });
+        if turn < 0.0 {
+            velocity.iter_mut().for_each(|v| *v = -*v);
+        }
+        let shaped = self.acts(Reach::Stage) || curve_speed.is_some() || rest_gain.is_some();
+        let knots = if shaped {
+            &run.every_sample
+        } else {
+            &run.knots
+        };
+        let record = Record {
+            time_s: &run.time_s,
+            velocity: &velocity,
+            curve_speed: curve_speed.as_deref(),
+            rest_gain: rest_gain.as_deref(),
+            knots,
+        };
+        let initial = self.model.initial_state(index, self.parameters);
+
+        let mut coupling = Coupling::rigid();
+        let corded = self.acts(Reach::Coupling) && run.in_contact();
+        if corded {
+            self.couple(at, &mut coupling);
+        }
+
+        // friction on the rigid chain: load x coefficient x factors of surface, history, load
+        let mut factor = None;
+        let mut force: Vec<D> = Vec::new();
+        if !corded || self.acts(Reach::Factor) {
+            let coefficient = self.coefficients(&law, &record, initial)?;
+            force = coefficient
+                .iter()
+                .zip(&run.load_n)
+                .map(|(&mu, &load)| mu * (turn * load))
+                .collect();
+        }
+        if self.acts(Reach::Factor) {
+            let mut whole = vec![D::constant(1.0); n];
+            let mut scaled = force.clone();
+            self.each_with_memory(Reach::Factor, memories, |cause, p, memory| {
+                let hook = Hook::Factor {
+                    friction_n: &scaled,
+                    factor: &mut whole,
+                    memory,
+                };
+                D::call(cause, p, at, hook);
+                for ((scaled, force), factor) in scaled.iter_mut().zip(&force).zip(&whole) {
+                    *scaled = *force * *factor;
+                }
+            });
+            force = scaled;
+            factor = Some(whole);
+        }
+
+        // coupling: what reaches the sensor through the cord
+        if corded {
+            let held = Corded {
+                law: &law,
+                record,
+                every_sample: &run.every_sample,
+                load_n: &run.load_n,
+                factor: factor.as_deref(),
+                coupling,
+                initial,
+            };
+            force = tension(&held)?;
+            force.iter_mut().for_each(|f| *f *= turn);
+        }
+        if self.experiment.moving_mass_kg != 0.0 {
+            for (f, a) in force.iter_mut().zip(&run.acceleration_m_s2) {
+                *f += self.experiment.moving_mass_kg * a;
+            }
+        }
+
+        // load, sensor, clock
+        self.in_place(Reach::Record, run, &mut force, |force_n| Hook::Record {
+            force_n,
+        });
+        Ok(force)
+    }
+
+    /// Effects that change a series in place, in the order of the stations.
+    fn in_place(
+        &self,
+        reach: Reach,
+        run: &RunMotion,
+        series: &mut [D],
+        hook: impl for<'h> Fn(&'h mut [D]) -> Hook<'h, D>,
+    ) {
+        let at = Place {
+            experiment: self.experiment,
+            run,
+        };
+        for &i in &self.model.sequence {
+            let cause = self.model.effects[i].as_ref();
+            if self.active[i] && cause.reach() == reach {
+                D::call(
+                    cause,
+                    &self.parameters[self.model.span(i)],
+                    at,
+                    hook(series),
+                );
+            }
+        }
+    }
+
+    fn couple(&self, at: Place<'_>, coupling: &mut Coupling<D>) {
+        for &i in &self.model.sequence {
+            let cause = self.model.effects[i].as_ref();
+            if self.active[i] && cause.reach() == Reach::Coupling {
+                D::call(
+                    cause,
+                    &self.parameters[self.model.span(i)],
+                    at,
+                    Hook::Coupling { coupling },
+                );
+            }
+        }
+    }
+
+    fn each_with_memory(
+        &self,
+        reach: Reach,
+        memories: &mut [Vec<D>],
+        mut call: impl FnMut(&dyn crate::Cause, &[D], &mut [D]),
+    ) {
+        for &i in &self.model.sequence {
+            let cause = self.model.effects[i].as_ref();
+            if self.active[i] && cause.reach() == reach {
+                call(
+                    cause,
+                    &self.parameters[self.model.span(i)],
+                    &mut memories[i],
+                );
+            }
+        }
+    }
+
+    /// Coefficient of friction at the samples of the rigid chain.
+    fn coefficients(
+        &self,
+        law: &Law<D>,
+        record: &Record<'_, D>,
+        initial: D,
+    ) -> Result<Vec<D>, IntegrationError> {
+        if D::NDERIV > 0 && !self.state_varies {
+            // nothing that is seeded reaches the contact: values suffice
+            let real = |series: &[D]| series.iter().map(Scalar::value).collect::<Vec<f64>>();
+            let velocity = real(record.velocity);
+            let curve_speed = record.curve_speed.map(real);
+            let rest_gain = record.rest_gain.map(real);
+            let record = Record {
+                time_s: record.time_s,
+                velocity: &velocity,
+                curve_speed: curve_speed.as_deref(),
+                rest_gain: rest_gain.as_deref(),
+                knots: record.knots,
+            };
+            let values = coefficients(&law.real(), &record, initial.value())?;
+            return Ok(values.into_iter().map(D::constant).collect());
+        }
+        coefficients(law, record, initial)
+    }
+}
+
+fn coefficients<D: Scalar>(
+    law: &Law<D>,
+    record: &Record<'_, D>,
+    initial: D,
+) -> Result<Vec<D>, IntegrationError> {
+    let states = integrate(law, record, initial)?;
+    Ok((0..states.len())
+        .map(|i| law.coefficient(states[i], &drive_at(record, i)))
+        .collect())
+}
+
+/// Drive at sample `i` of a record.
+pub(crate) fn drive_at<D: Scalar>(record: &Record<'_, D>, i: usize) -> Drive<D> {
+    let mut drive = Drive::at(record.velocity[i]);
+    if let Some(speed) = record.curve_speed {
+        drive.curve_speed = speed[i];
+    }
+    drive.rest_gain = record.rest_gain.map(|gain| gain[i]);
+    drive
+}

@@ -1,0 +1,532 @@
+//! The specimen on an elastic cord: slip, tension and the mass between them as one stiff system.
+//!
+//! Slip speed v = V - u with V the stage's speed and u the specimen's, friction P = N mu(z, v) pulls the specimen
+//! along, the cord (compliance C, damping d) holds it back:
+//!
+//! ```text
+//! z'   = f(z, V - u)                      the law's state
+//! C q' = u                                q: elastic tension, N
+//! m u' = P(z, V - u) - q - d u            m: mass on the cord, kg
+//! recorded tension = q + d u
+//! ```
+//!
+//! C = 0 is the rigid chain (u = 0, q = P), m = 0 a cord without mass: both are algebraic limits of the same system,
+//! so derivatives exist at the null. Radau IIA solves M y' = F(y) with the singular M as it stands (Hairer and Wanner
+//! II, VI.1). Units: m, m/s, N, kg. Errors: steps keep the error estimate of z and q below 1e-6 of their size; between
+//! stages the collocation polynomial is read.
+
+use friction::radau::{A, C, E, GAMMA, collocation_weights};
+use friction::{Drive, Evaluation, IntegrationError, Law, Record, Scalar};
+
+use crate::chain::drive_at;
+
+const TOLERANCE: f64 = 1e-6;
+const NEWTON_TOLERANCE: f64 = 1e-8;
+const NEWTON_LIMIT: usize = 10;
+const SMALLEST: f64 = 1e-7;
+
+/// What holds the specimen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coupling<D> {
+    /// Compliance C, m/N; 0 is rigid.
+    pub compliance: D,
+    /// Damping d, N s/m.
+    pub damping: D,
+    /// Mass m on the cord, kg.
+    pub mass: D,
+}
+
+impl<D: Scalar> Coupling<D> {
+    /// No cord.
+    pub fn rigid() -> Self {
+        let zero = D::constant(0.0);
+        Self {
+            compliance: zero,
+            damping: zero,
+            mass: zero,
+        }
+    }
+
+    fn real(&self) -> Coupling<f64> {
+        Coupling {
+            compliance: self.compliance.value(),
+            damping: self.damping.value(),
+            mass: self.mass.value(),
+        }
+    }
+}
+
+/// A run on a cord.
+pub(crate) struct Corded<'a, D> {
+    pub(crate) law: &'a Law<D>,
+    pub(crate) record: Record<'a, D>,
+    pub(crate) every_sample: &'a [usize],
+    pub(crate) load_n: &'a [f64],
+    pub(crate) factor: Option<&'a [D]>,
+    pub(crate) coupling: Coupling<D>,
+    pub(crate) initial: D,
+}
+
+/// State: deflection, elastic tension, speed of the specimen.
+type State<D> = [D; 3];
+
+/// Straight lines between two knots.
+struct Stretch<D> {
+    t0: f64,
+    t1: f64,
+    velocity: [D; 2],
+    weight: [D; 2],
+    curve: Option<[D; 2]>,
+    rest_gain: Option<D>,
+}
+
+impl<D: Scalar> Stretch<D> {
+    fn line(&self, ends: &[D; 2], t: f64) -> D {
+        ends[0] + (ends[1] - ends[0]) * ((t - self.t0) / (self.t1 - self.t0))
+    }
+
+    fn real(&self) -> Stretch<f64> {
+        let pair = |ends: &[D; 2]| [ends[0].value(), ends[1].value()];
+        Stretch {
+            t0: self.t0,
+            t1: self.t1,
+            velocity: pair(&self.velocity),
+            weight: pair(&self.weight),
+            curve: self.curve.as_ref().map(pair),
+            rest_gain: self.rest_gain.map(|g| g.value()),
+        }
+    }
+}
+
+/// Law, coupling and motion at one instant: rates and slopes.
+struct Instant<D> {
+    law: Evaluation<D>,
+    weight: D,
+    has_curve: bool,
+    sign: f64,
+}
+
+impl<D: Scalar> Instant<D> {
+    fn at(law: &Law<D>, stretch: &Stretch<D>, t: f64, y: &State<D>) -> Self {
+        let slip = stretch.line(&stretch.velocity, t) - y[2];
+        let mut drive = Drive::at(slip);
+        if let Some(curve) = &stretch.curve {
+            drive.curve_speed = stretch.line(curve, t);
+        }
+        drive.rest_gain = stretch.rest_gain;
+        Self {
+            law: law.evaluate(y[0], &drive),
+            weight: stretch.line(&stretch.weight, t),
+            has_curve: stretch.curve.is_some(),
+            sign: drive.sign,
+        }
+    }
+
+    /// Right-hand sides of the three equations.
+    fn rhs(&self, y: &State<D>, coupling: &Coupling<D>) -> State<D> {
+        let friction = self.weight * self.law.coefficient;
+        [
+            self.law.rate,
+            y[2],
+            friction - y[1] - coupling.damping * y[2],
+        ]
+    }
+}
+
+impl Instant<f64> {
+    /// Derivatives of the right-hand sides in (z, q, u).
+    fn jacobian(&self, coupling: &Coupling<f64>) -> [[f64; 3]; 3] {
+        let along_v = self.law.rate_v
+            + if self.has_curve {
+                0.0
+            } else {
+                self.law.rate_curve * self.sign
+            };
+        [
+            [self.law.rate_z, 0.0, -along_v],
+            [0.0, 0.0, 1.0],
+            [
+                self.weight * self.law.coefficient_z,
+                -1.0,
+                -self.weight * self.law.coefficient_v - coupling.damping,
+            ],
+        ]
+    }
+}
+
+/// A linear system of `N` equations, factorised with row scaling and partial pivoting.
+struct Factorised<const N: usize> {
+    lu: [[f64; N]; N],
+    scale: [f64; N],
+    order: [usize; N],
+}
+
+impl<const N: usize> Factorised<N> {
+    fn new(mut m: [[f64; N]; N]) -> Option<Self> {
+        let mut scale = [0.0; N];
+        for (row, scale) in m.iter_mut().zip(&mut scale) {
+            let largest = row.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+            if !(largest > 0.0 && largest.is_finite()) {
+                return None;
+            }
+            *scale = 1.0 / largest;
+            row.iter_mut().for_each(|x| *x *= *scale);
+        }
+        let mut order: [usize; N] = std::array::from_fn(|i| i);
+        for k in 0..N {
+            let mut pivot = k;
+            for i in k + 1..N {
+                if m[i][k].abs() > m[pivot][k].abs() {
+                    pivot = i;
+                }
+            }
+            if m[pivot][k].abs() < 1e-280 {
+                return None;
+            }
+            m.swap(k, pivot);
+            order.swap(k, pivot);
+            let head = m[k];
+            let inverse = 1.0 / head[k];
+            for row in m.iter_mut().skip(k + 1) {
+                let ratio = row[k] * inverse;
+                row[k] = ratio;
+                if ratio != 0.0 {
+                    for j in k + 1..N {
+                        row[j] -= ratio * head[j];
+                    }
+                }
+            }
+        }
+        Some(Self {
+            lu: m,
+            scale,
+            order,
+        })
+    }
+
+    fn solve<D: Scalar>(&self, rhs: &[D; N]) -> [D; N] {
+        let mut x: [D; N] = std::array::from_fn(|i| rhs[self.order[i]] * self.scale[self.order[i]]);
+        for i in 0..N {
+            for j in 0..i {
+                if self.lu[i][j] != 0.0 {
+                    x[i] = x[i] - x[j] * self.lu[i][j];
+                }
+            }
+        }
+        for i in (0..N).rev() {
+            for j in i + 1..N {
+                if self.lu[i][j] != 0.0 {
+                    x[i] = x[i] - x[j] * self.lu[i][j];
+                }
+            }
+            x[i] /= self.lu[i][i];
+        }
+        x
+    }
+}
+
+/// Residuals of a step of size h from y0 with stages (z, q, u), and the stages' instants.
+fn residual<D: Scalar>(
+    law: &Law<D>,
+    coupling: &Coupling<D>,
+    stretch: &Stretch<D>,
+    t: f64,
+    h: f64,
+    y0: &State<D>,
+    stages: &[State<D>; 3],
+) -> ([D; 9], [Instant<D>; 3]) {
+    let instants: [Instant<D>; 3] =
+        std::array::from_fn(|i| Instant::at(law, stretch, t + C[i] * h, &stages[i]));
+    let rates: [State<D>; 3] = std::array::from_fn(|i| instants[i].rhs(&stages[i], coupling));
+    let mut out = [D::constant(0.0); 9];
+    for i in 0..3 {
+        for k in 0..3 {
+            let sum = rates[0][k] * A[i][0] + rates[1][k] * A[i][1] + rates[2][k] * A[i][2];
+            let change = stages[i][k] - y0[k];
+            let moved = match k {
+                0 => change,
+                1 => coupling.compliance * change,
+                _ => coupling.mass * change,
+            };
+            out[3 * i + k] = moved - sum * h;
+        }
+    }
+    (out, instants)
+}
+
+struct Solver<'a, D> {
+    held: &'a Corded<'a, D>,
+    law: Law<f64>,
+    coupling: Coupling<f64>,
+    /// Sizes of z, q, u against which errors count.
+    size: [f64; 3],
+    step: f64,
+    /// Last step: its size and its stages, for the predictor.
+    previous: Option<(f64, State<f64>, [State<f64>; 3])>,
+}
+
+/// Recorded tension at the samples, N.
+pub(crate) fn tension<D: Scalar>(held: &Corded<'_, D>) -> Result<Vec<D>, IntegrationError> {
+    let record = &held.record;
+    let law = held.law.real();
+    let level = law.curve.kinetic.abs().max(law.curve.at_rest.abs());
+    let load = held.load_n.iter().fold(0.0_f64, |a, n| a.max(n.abs()));
+    let speed = record
+        .velocity
+        .iter()
+        .fold(0.0_f64, |a, v| a.max(v.value().abs()));
+    let friction = load * level * if law.is_dynamic() { law.stiffness } else { 1.0 };
+    let mut solver = Solver {
+        held,
+        law,
+        coupling: held.coupling.real(),
+        size: [
+            if law.is_dynamic() { level } else { 1.0 },
+            friction.max(1e-300),
+            speed.max(1e-300),
+        ],
+        step: f64::INFINITY,
+        previous: None,
+    };
+    let weight = |i: usize| match held.factor {
+        Some(factor) => factor[i] * held.load_n[i],
+        None => D::constant(held.load_n[i]),
+    };
+    // start: the cord holds what friction pulls, nothing moves yet
+    let start = held.law.coefficient(held.initial, &drive_at(record, 0)) * weight(0);
+    let mut y = [held.initial, start, D::constant(0.0)];
+    let mut out = Vec::with_capacity(record.time_s.len());
+    out.push(start);
+    let steady_load = held.load_n.iter().all(|&n| n == held.load_n[0]);
+    let knots = if held.factor.is_some() || !steady_load {
+        held.every_sample
+    } else {
+        record.knots
+    };
+    for pair in knots.windows(2) {
+        let (a, b) = (pair[0], pair[1]);
+        let stretch = Stretch {
+            t0: record.time_s[a],
+            t1: record.time_s[b],
+            velocity: [record.velocity[a], record.velocity[b]],
+            weight: [weight(a), weight(b)],
+            curve: record.curve_speed.map(|u| [u[a], u[b]]),
+            rest_gain: record.rest_gain.map(|g| g[a]),
+        };
+        y = solver.stretch(&stretch, y, &record.time_s[a + 1..=b], &mut out)?;
+    }
+    Ok(out)
+}
+
+impl<D: Scalar> Solver<'_, D> {
+    fn stretch(
+        &mut self,
+        stretch: &Stretch<D>,
+        mut y: State<D>,
+        times: &[f64],
+        out: &mut Vec<D>,
+    ) -> Result<State<D>, IntegrationError> {
+        let real = stretch.real();
+        let (mut t, mut taken) = (stretch.t0, 0);
+        while taken < times.len() {
+            let from = y.map(|x| x.value());
+            let (h, stages, factorised) = self.step(&real, t, &from)?;
+            let lifted = self.lift(stretch, t, h, &y, &stages, &factorised);
+            let end = if stretch.t1 - (t + h) <= 1e-9 * h {
+                stretch.t1
+            } else {
+                t + h
+            };
+            while taken < times.len() && times[taken] <= end {
+                let s = ((times[taken] - t) / h).min(1.0);
+                let w = collocation_weights(s);
+                let at = |k: usize| {
+                    if s == 1.0 {
+                        lifted[2][k]
+                    } else {
+                        y[k] * w[0]
+                            + lifted[0][k] * w[1]
+                            + lifted[1][k] * w[2]
+                            + lifted[2][k] * w[3]
+                    }
+                };
+                out.push(at(1) + self.held.coupling.damping * at(2));
+                taken += 1;
+            }
+            self.previous = Some((h, from, stages));
+            y = lifted[2];
+            t = end;
+        }
+        Ok(y)
+    }
+
+    /// One accepted step in `f64`.
+    #[allow(clippy::type_complexity)]
+    fn step(
+        &mut self,
+        stretch: &Stretch<f64>,
+        t: f64,
+        y: &State<f64>,
+    ) -> Result<(f64, [State<f64>; 3], Factorised<9>), IntegrationError> {
+        let smallest = SMALLEST * (stretch.t1 - stretch.t0);
+        let now = Instant::at(&self.law, stretch, t, y);
+        let (rates, slopes) = (now.rhs(y, &self.coupling), now.jacobian(&self.coupling));
+        loop {
+            let allowed = self.step.max(smallest);
+            let h = if t + allowed * 1.000_001 >= stretch.t1 {
+                stretch.t1 - t
+            } else {
+                allowed
+            };
+            let last_resort = h <= smallest * 1.01;
+            let Some((stages, factorised)) = self.newton(stretch, t, h, y) else {
+                if last_resort {
+                    return Err(IntegrationError::Diverged { time_s: t });
+                }
+                self.step = 0.25 * h;
+                continue;
+            };
+            let estimate = self.estimate(h, y, &rates, &slopes, &stages);
+            let factor = 0.9 * (TOLERANCE / estimate.max(1e-300)).sqrt().sqrt();
+            if estimate <= TOLERANCE || last_resort {
+                let next = h * factor.clamp(0.2, 4.0);
+                let cut_by_stretch = t + h >= stretch.t1 && h < self.step;
+                self.step = if cut_by_stretch {
+                    self.step.max(next)
+                } else {
+                    next
+                };
+                return Ok((h, stages, factorised));
+            }
+            self.step = h * factor.clamp(0.1, 0.9);
+        }
+    }
+
+    /// Largest error of z and q relative to their sizes: (M - h GAMMA J) e = h GAMMA F(y) + M sum_i E_i (Y_i - y).
+    fn estimate(
+        &self,
+        h: f64,
+        y: &State<f64>,
+        rates: &State<f64>,
+        slopes: &[[f64; 3]; 3],
+        stages: &[State<f64>; 3],
+    ) -> f64 {
+        let mass = [1.0, self.coupling.compliance, self.coupling.mass];
+        let mut matrix = [[0.0; 3]; 3];
+        let mut rhs = [0.0; 3];
+        for k in 0..3 {
+            for j in 0..3 {
+                matrix[k][j] = -h * GAMMA * slopes[k][j] + if k == j { mass[k] } else { 0.0 };
+            }
+            let sum: f64 = (0..3).map(|i| E[i] * (stages[i][k] - y[k])).sum();
+            rhs[k] = h * GAMMA * rates[k] + mass[k] * sum;
+        }
+        match Factorised::new(matrix) {
+            Some(f) => {
+                let e: [f64; 3] = f.solve(&rhs);
+                (e[0] / self.size[0]).abs().max((e[1] / self.size[1]).abs())
+            }
+            None => f64::INFINITY,
+        }
+    }
+
+    fn predict(&self, h: f64, y: &State<f64>) -> [State<f64>; 3] {
+        match &self.previous {
+            Some((before, from, stages)) if h <= 2.0 * before => std::array::from_fn(|i| {
+                let w = collocation_weights(1.0 + C[i] * h / before);
+                std::array::from_fn(|k| {
+                    from[k] * w[0] + stages[0][k] * w[1] + stages[1][k] * w[2] + stages[2][k] * w[3]
+                })
+            }),
+            _ => [*y; 3],
+        }
+    }
+
+    /// Newton's iteration for the stages, from the continued polynomial and, failing that, from where the step begins.
+    fn newton(
+        &self,
+        stretch: &Stretch<f64>,
+        t: f64,
+        h: f64,
+        y: &State<f64>,
+    ) -> Option<([State<f64>; 3], Factorised<9>)> {
+        self.iterate(stretch, t, h, y, self.predict(h, y))
+            .or_else(|| self.iterate(stretch, t, h, y, [*y; 3]))
+    }
+
+    fn iterate(
+        &self,
+        stretch: &Stretch<f64>,
+        t: f64,
+        h: f64,
+        y: &State<f64>,
+        mut stages: [State<f64>; 3],
+    ) -> Option<([State<f64>; 3], Factorised<9>)> {
+        let mass = [1.0, self.coupling.compliance, self.coupling.mass];
+        for _ in 0..NEWTON_LIMIT {
+            let (r, instants) = residual(&self.law, &self.coupling, stretch, t, h, y, &stages);
+            let slopes: [[[f64; 3]; 3]; 3] =
+                std::array::from_fn(|j| instants[j].jacobian(&self.coupling));
+            let mut matrix = [[0.0; 9]; 9];
+            for i in 0..3 {
+                for k in 0..3 {
+                    for j in 0..3 {
+                        for l in 0..3 {
+                            matrix[3 * i + k][3 * j + l] = -h * A[i][j] * slopes[j][k][l];
+                        }
+                    }
+                    matrix[3 * i + k][3 * i + k] += mass[k];
+                }
+            }
+            let factorised = Factorised::new(matrix)?;
+            let change = factorised.solve(&r);
+            let mut largest: f64 = 0.0;
+            for i in 0..3 {
+                for k in 0..3 {
+                    stages[i][k] -= change[3 * i + k];
+                    largest = largest.max((change[3 * i + k] / self.size[k]).abs());
+                }
+            }
+            if !largest.is_finite() || largest > 1e6 {
+                return None;
+            }
+            if largest <= NEWTON_TOLERANCE {
+                return Some((stages, factorised));
+            }
+        }
+        None
+    }
+
+    /// Stages with derivatives: one Newton step in dual numbers with the real matrix.
+    fn lift(
+        &self,
+        stretch: &Stretch<D>,
+        t: f64,
+        h: f64,
+        y: &State<D>,
+        stages: &[State<f64>; 3],
+        factorised: &Factorised<9>,
+    ) -> [State<D>; 3] {
+        let mut lifted = stages.map(|s| s.map(D::constant));
+        if D::NDERIV == 0 {
+            return lifted;
+        }
+        let (r, _) = residual(
+            self.held.law,
+            &self.held.coupling,
+            stretch,
+            t,
+            h,
+            y,
+            &lifted,
+        );
+        let change = factorised.solve(&r);
+        for i in 0..3 {
+            for k in 0..3 {
+                let step = change[3 * i + k];
+                lifted[i][k] -= step - step.value();
+            }
+        }
+        lifted
+    }
+}

@@ -1,0 +1,314 @@
+//! A campaign prepared for prediction: motions, loads and history of every run, and where its samples stand.
+
+use std::ops::Range;
+
+use campaign::{Axis, Campaign, Direction, InitialState, Protocol};
+use friction::linear_stretches;
+
+use crate::Scales;
+
+/// Standard gravity, m/s^2 (exact by definition, 3rd CGPM 1901): turns a load that is a weight into a mass.
+pub const GRAVITY_M_S2: f64 = 9.806_65;
+
+/// A velocity record counts as linear where it stays within this share of its largest speed: far below what any
+/// encoder resolves, and it moves no prediction by more than the integration error.
+const LINEAR_WITHIN: f64 = 1e-8;
+
+/// Why a campaign cannot be predicted.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ExperimentError {
+    /// Nothing ever moves.
+    #[error("campaign `{0}`: no run moves, there is no friction to predict")]
+    NoMotion(String),
+}
+
+/// One run, prepared. Linear rigs in m, m/s, N; rotary ones in rad, rad/s, N m.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunMotion {
+    /// Name of the run, for captions.
+    pub name: String,
+    /// Its samples in the stacked record.
+    pub samples: Range<usize>,
+    /// Direction of the motion.
+    pub direction: Direction,
+    /// Kind of motion.
+    pub protocol: Protocol,
+    /// Time since the run's own zero, s.
+    pub time_s: Vec<f64>,
+    /// Stage velocity, m/s.
+    pub velocity_m_s: Vec<f64>,
+    /// dv/dt, m/s^2.
+    pub acceleration_m_s2: Vec<f64>,
+    /// Stage coordinate, m: as recorded, else the start position plus the integral of the velocity.
+    pub position_m: Vec<f64>,
+    /// Distance slid since the start of the run, m.
+    pub distance_m: Vec<f64>,
+    /// Normal load, N; 1 throughout where the campaign has no load channel (then the law gives the force itself), 0
+    /// where there is no contact.
+    pub load_n: Vec<f64>,
+    /// Load that the run was set to, N; `None` without a load channel.
+    pub nominal_load_n: Option<f64>,
+    /// Temperature, degrees Celsius.
+    pub temperature_c: Option<Vec<f64>>,
+    /// Place in the day.
+    pub order: Option<f64>,
+    /// Start on the campaign's clock, counted from the start of the first run, s.
+    pub started_s: Option<f64>,
+    /// Rest before the run, s; `None` for the first run and without a clock.
+    pub rest_s: Option<f64>,
+    /// Distance slid in all runs before this one, m; `None` where the order is not known.
+    pub prior_distance_m: Option<f64>,
+    /// Knots of the velocity (see [`friction::linear_stretches`]).
+    pub knots: Vec<usize>,
+    /// All samples as knots.
+    pub every_sample: Vec<usize>,
+    /// The rig was turned round.
+    pub stage_turned: bool,
+    /// The specimen was turned round.
+    pub specimen_turned: bool,
+    /// The state at the first sample is not known and belongs to the parameters.
+    pub initial_state_unknown: bool,
+}
+
+impl RunMotion {
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.time_s.len()
+    }
+
+    /// Whether the run has no samples (never the case for a checked campaign).
+    pub fn is_empty(&self) -> bool {
+        self.time_s.is_empty()
+    }
+
+    /// Whether the run has contact.
+    pub fn in_contact(&self) -> bool {
+        self.load_n.iter().any(|&load| load > 0.0)
+    }
+}
+
+/// A campaign prepared for prediction. Runs stand in the campaign's canonical order, which is the order in time
+/// wherever that is known.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Experiment {
+    /// Name of the campaign.
+    pub name: String,
+    /// Linear or rotary.
+    pub axis: Axis,
+    /// The runs.
+    pub runs: Vec<RunMotion>,
+    /// Recorded force of all runs, one after the other, N (rotary N m).
+    pub measured_n: Vec<f64>,
+    /// Whether loads are recorded: friction is a coefficient times the load. Else the law gives the force itself.
+    pub has_load: bool,
+    /// Whether the order of the runs is known.
+    pub has_order: bool,
+    /// Whether the campaign's clock is known.
+    pub has_clock: bool,
+    /// Gap h between body and substrate, m.
+    pub height_m: Option<f64>,
+    /// Mass that moves with the stage between contact and sensor, kg: force = friction + mass x acceleration.
+    pub moving_mass_kg: f64,
+    /// Geometric mean of the loads in contact, N: the load at which a coefficient is stated.
+    pub reference_load_n: f64,
+    /// Typical sizes of speed, travel and friction, for bounds and steps.
+    pub scales: Scales,
+}
+
+impl Experiment {
+    /// Prepares a campaign.
+    ///
+    /// # Errors
+    /// A campaign in which nothing moves.
+    pub fn new(campaign: &Campaign) -> Result<Self, ExperimentError> {
+        let fastest = campaign
+            .runs
+            .iter()
+            .flat_map(|run| &run.velocity_m_s)
+            .fold(0.0_f64, |a, v| a.max(v.abs()));
+        if fastest == 0.0 {
+            return Err(ExperimentError::NoMotion(campaign.name.clone()));
+        }
+        let has_load = campaign.runs.iter().all(|run| {
+            run.protocol == Protocol::Unloaded
+                || run.normal_load_n.is_some()
+                || run.normal_force_n.is_some()
+        });
+        let has_order = campaign.runs.len() == 1
+            || campaign
+                .runs
+                .iter()
+                .all(|run| run.order.is_some() || run.started_s.is_some());
+        let has_clock = campaign.runs.iter().all(|run| run.started_s.is_some());
+        let clock_zero = campaign
+            .runs
+            .iter()
+            .filter_map(|run| run.started_s)
+            .fold(f64::INFINITY, f64::min);
+        let mut runs: Vec<RunMotion> = Vec::with_capacity(campaign.runs.len());
+        let mut measured_n = Vec::new();
+        let (mut slid, mut ended) = (0.0, None);
+        for run in &campaign.runs {
+            let first = measured_n.len();
+            measured_n.extend_from_slice(&run.force_n);
+            let started_s = if has_clock {
+                run.started_s.map(|s| s - clock_zero)
+            } else {
+                None
+            };
+            let mut motion = prepare(run, has_load, fastest);
+            motion.samples = first..measured_n.len();
+            motion.started_s = started_s;
+            motion.rest_s = match (started_s, ended) {
+                (Some(start), Some(end)) => Some(f64::max(start - end, 0.0)),
+                _ => None,
+            };
+            motion.prior_distance_m = has_order.then_some(slid);
+            if motion.in_contact() {
+                slid += motion.distance_m.last().copied().unwrap_or(0.0);
+            }
+            ended = started_s.map(|start| start + run.time_s.last().copied().unwrap_or(0.0));
+            runs.push(motion);
+        }
+        let reference_load_n = reference_load(&runs);
+        let scales = Scales::of(&runs, &measured_n, campaign.specimen.contact_height_m);
+        Ok(Self {
+            name: campaign.name.clone(),
+            axis: campaign.axis,
+            runs,
+            measured_n,
+            has_load,
+            has_order,
+            has_clock,
+            height_m: campaign.specimen.contact_height_m,
+            moving_mass_kg: campaign.rig.moving_mass_kg.unwrap_or(0.0),
+            reference_load_n,
+            scales,
+        })
+    }
+
+    /// Number of samples of all runs.
+    pub fn samples(&self) -> usize {
+        self.measured_n.len()
+    }
+
+    /// Whether runs have at least two loads that differ by more than a tenth.
+    pub fn has_two_loads(&self) -> bool {
+        let loads = self.loads();
+        let low = loads.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = loads.iter().copied().fold(0.0, f64::max);
+        high > 1.1 * low
+    }
+
+    /// Mean load of every run in contact, N.
+    fn loads(&self) -> Vec<f64> {
+        self.runs
+            .iter()
+            .filter(|run| run.in_contact())
+            .map(mean_load)
+            .collect()
+    }
+
+    /// Whether some run moves forward and some run moves in reverse.
+    pub fn has_both_directions(&self) -> bool {
+        let moves = |sign: f64| {
+            self.runs
+                .iter()
+                .any(|run| run.velocity_m_s.iter().any(|v| v * sign > 0.0))
+        };
+        moves(1.0) && moves(-1.0)
+    }
+
+    /// Whether some run reverses.
+    pub fn has_reversals(&self) -> bool {
+        self.runs.iter().any(|run| {
+            run.velocity_m_s.iter().any(|&v| v > 0.0) && run.velocity_m_s.iter().any(|&v| v < 0.0)
+        })
+    }
+}
+
+fn mean_load(run: &RunMotion) -> f64 {
+    run.load_n.iter().sum::<f64>() / run.len() as f64
+}
+
+fn reference_load(runs: &[RunMotion]) -> f64 {
+    let logs: Vec<f64> = runs
+        .iter()
+        .map(mean_load)
+        .filter(|&load| load > 0.0)
+        .map(f64::ln)
+        .collect();
+    if logs.is_empty() {
+        1.0
+    } else {
+        (logs.iter().sum::<f64>() / logs.len() as f64).exp()
+    }
+}
+
+/// One run without its place among the others.
+fn prepare(run: &campaign::Run, has_load: bool, fastest: f64) -> RunMotion {
+    let n = run.time_s.len();
+    let (t, v) = (&run.time_s, &run.velocity_m_s);
+    let mut distance_m = vec![0.0; n];
+    let mut travelled = vec![0.0; n];
+    for i in 1..n {
+        let dt = t[i] - t[i - 1];
+        travelled[i] = travelled[i - 1] + 0.5 * (v[i] + v[i - 1]) * dt;
+        distance_m[i] = distance_m[i - 1] + path_length(v[i - 1], v[i], dt);
+    }
+    let position_m = match &run.position_m {
+        Some(position) => position.clone(),
+        None => travelled.iter().map(|x| run.start_position_m + x).collect(),
+    };
+    let load_n = if !has_load {
+        let contact = if run.protocol == Protocol::Unloaded {
+            0.0
+        } else {
+            1.0
+        };
+        vec![contact; n]
+    } else if run.protocol == Protocol::Unloaded {
+        vec![0.0; n]
+    } else {
+        match &run.normal_force_n {
+            Some(force) => force.clone(),
+            None => vec![run.normal_load_n.unwrap_or(0.0); n],
+        }
+    };
+    RunMotion {
+        name: run.name.clone(),
+        samples: 0..0,
+        direction: run.direction,
+        protocol: run.protocol,
+        time_s: t.clone(),
+        velocity_m_s: v.clone(),
+        acceleration_m_s2: crate::signal::slope(t, v),
+        position_m,
+        distance_m,
+        load_n,
+        nominal_load_n: if has_load {
+            run.normal_load_n.or(Some(0.0))
+        } else {
+            None
+        },
+        temperature_c: run.temperature_c.clone(),
+        order: run.order,
+        started_s: None,
+        rest_s: None,
+        prior_distance_m: None,
+        knots: linear_stretches(t, v, LINEAR_WITHIN * fastest),
+        every_sample: (0..n).collect(),
+        stage_turned: run.stage_turned,
+        specimen_turned: run.specimen_turned,
+        initial_state_unknown: run.initial_state == InitialState::Unknown,
+    }
+}
+
+/// Integral of abs(v) over a step with linear v.
+fn path_length(v0: f64, v1: f64, dt: f64) -> f64 {
+    if v0 * v1 >= 0.0 {
+        0.5 * (v0 + v1).abs() * dt
+    } else {
+        0.5 * (v0 * v0 + v1 * v1) / (v0 - v1).abs() * dt
+    }
+}

@@ -1,0 +1,280 @@
+//! A law with the effects that act at the stations, as a function of one flat vector of parameters.
+//!
+//! Order of the vector: the law's parameters; each effect's fitted parameters, in the order in which the effects were
+//! given; one initial state for each run that starts in an unknown state.
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+use friction::{CosinePlacement, Exponent, Law, LawError, LawKind, ParameterSpec, Scalar};
+use nalgebra::DMatrix;
+
+use crate::chain::Pass;
+use crate::{Cause, Experiment, jacobian};
+
+/// Why a model cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ModelError {
+    /// The law does not go with this campaign.
+    #[error(transparent)]
+    Law(#[from] LawError),
+    /// The same cause twice.
+    #[error("cause `{0}` stands twice in the model")]
+    Twice(String),
+    /// A cause that cannot act on this law.
+    #[error("cause `{cause}` cannot act on law `{law}`")]
+    NotOnThisLaw {
+        /// The cause.
+        cause: &'static str,
+        /// The law.
+        law: &'static str,
+    },
+}
+
+/// A law of friction on a rig with effects.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// The law.
+    pub law: LawKind,
+    pub(crate) effects: Vec<Box<dyn Cause>>,
+    /// Effects in the order of the stations.
+    pub(crate) sequence: Vec<usize>,
+    specs: Vec<ParameterSpec>,
+    effects_start: Vec<usize>,
+    /// Column of each run's initial state.
+    initial: Vec<Option<usize>>,
+    height_m: Option<f64>,
+    placement: CosinePlacement,
+    exponent: Option<Exponent<f64>>,
+    sign_width: f64,
+}
+
+/// Width of the regularised sign of static laws, as a share of the campaign's largest speed.
+const SIGN_WIDTH_SHARE: f64 = 1e-3;
+
+impl Model {
+    /// A model for this campaign.
+    ///
+    /// # Errors
+    /// A bristle law without a height, a cause that stands twice or cannot act on the law.
+    pub fn new(
+        law: LawKind,
+        effects: Vec<Box<dyn Cause>>,
+        experiment: &Experiment,
+    ) -> Result<Self, ModelError> {
+        if law.needs_height() && experiment.height_m.is_none() {
+            return Err(LawError::HeightMissing(law.id()).into());
+        }
+        for (i, cause) in effects.iter().enumerate() {
+            if effects[..i]
+                .iter()
+                .any(|other| other.id() == cause.id() && other.variant() == cause.variant())
+            {
+                return Err(ModelError::Twice(cause.id().to_owned()));
+            }
+            if !cause.applies_to(law) {
+                return Err(ModelError::NotOnThisLaw {
+                    cause: cause.id(),
+                    law: law.id(),
+                });
+            }
+        }
+        let mut specs = experiment
+            .scales
+            .law_parameters(law, experiment.axis, experiment.has_load);
+        let mut effects_start = Vec::with_capacity(effects.len() + 1);
+        for cause in &effects {
+            effects_start.push(specs.len());
+            specs.extend(cause.parameters_for(experiment));
+        }
+        effects_start.push(specs.len());
+        let mut initial = vec![None; experiment.runs.len()];
+        if let Some(unit) = law.state_unit() {
+            for (index, run) in experiment.runs.iter().enumerate() {
+                if run.initial_state_unknown {
+                    initial[index] = Some(specs.len());
+                    specs.push(initial_state_spec(index, unit, experiment));
+                }
+            }
+        }
+        let mut sequence: Vec<usize> = (0..effects.len()).collect();
+        sequence.sort_by_key(|&i| {
+            (
+                effects[i].station(),
+                effects[i].rank(),
+                effects[i].id(),
+                effects[i].variant(),
+            )
+        });
+        Ok(Self {
+            law,
+            effects,
+            sequence,
+            specs,
+            effects_start,
+            initial,
+            height_m: experiment.height_m,
+            placement: CosinePlacement::AllTerms,
+            exponent: None,
+            sign_width: SIGN_WIDTH_SHARE * experiment.scales.speed_m_s,
+        })
+    }
+
+    /// The same model with the cosine factor of E7 in another place.
+    pub fn with_placement(mut self, placement: CosinePlacement) -> Self {
+        self.placement = placement;
+        self
+    }
+
+    /// The same model with another exponent of the Stribeck curve as its baseline.
+    pub fn with_exponent(mut self, exponent: Exponent<f64>) -> Self {
+        self.exponent = Some(exponent);
+        self
+    }
+
+    /// All parameters, in the order of the vector.
+    pub fn parameters(&self) -> &[ParameterSpec] {
+        &self.specs
+    }
+
+    /// Number of the law's own parameters, which come first.
+    pub fn law_parameters(&self) -> usize {
+        self.law.parameters().len()
+    }
+
+    /// The effects, in the order in which they were given.
+    pub fn effects(&self) -> &[Box<dyn Cause>] {
+        &self.effects
+    }
+
+    /// Places of an effect's parameters in the vector.
+    pub fn span(&self, effect: usize) -> Range<usize> {
+        self.effects_start[effect]..self.effects_start[effect + 1]
+    }
+
+    /// Places of the initial states in the vector.
+    pub fn initial_states(&self) -> Range<usize> {
+        self.effects_start[self.effects.len()]..self.specs.len()
+    }
+
+    /// Column of a run's initial state, if it has one.
+    pub fn initial_state_of(&self, run: usize) -> Option<usize> {
+        self.initial[run]
+    }
+
+    /// A vector with these law parameters, effects at their nulls and initial states at zero.
+    pub fn at_null(&self, law_parameters: &[f64], experiment: &Experiment) -> Vec<f64> {
+        let mut p = law_parameters.to_vec();
+        for cause in &self.effects {
+            p.extend(
+                cause
+                    .shape_grid(experiment)
+                    .into_iter()
+                    .next()
+                    .unwrap_or_else(|| vec![0.0; cause.parameters().len()]),
+            );
+        }
+        p.resize(self.specs.len(), 0.0);
+        p
+    }
+
+    /// Recorded force of all runs, one after the other, N (rotary N m). Runs whose state leaves the numbers are NaN.
+    ///
+    /// # Panics
+    /// If `parameters` is not as long as [`Model::parameters`].
+    pub fn predict(&self, experiment: &Experiment, parameters: &[f64]) -> Vec<f64> {
+        assert_eq!(
+            parameters.len(),
+            self.specs.len(),
+            "one value for each parameter"
+        );
+        Pass {
+            model: self,
+            experiment,
+            parameters,
+            active: self.off_null(parameters),
+            state_varies: true,
+        }
+        .predict()
+    }
+
+    /// Prediction and its derivatives: samples x `columns` (all parameters for `None`). Rows as in [`Model::predict`].
+    ///
+    /// An effect at its null takes part wherever one of its columns is asked for, so the derivatives at the null are
+    /// those of the extension; the prediction itself is that of [`Model::predict`], bit for bit.
+    ///
+    /// # Panics
+    /// If `parameters` is not as long as [`Model::parameters`], or a column is beyond it.
+    pub fn predict_with_jacobian(
+        &self,
+        experiment: &Experiment,
+        parameters: &[f64],
+        columns: Option<&[usize]>,
+    ) -> (Vec<f64>, DMatrix<f64>) {
+        let values = self.predict(experiment, parameters);
+        let every: Vec<usize>;
+        let columns = match columns {
+            Some(columns) => columns,
+            None => {
+                every = (0..self.specs.len()).collect();
+                &every
+            }
+        };
+        (
+            values,
+            jacobian::columns(self, experiment, parameters, columns),
+        )
+    }
+
+    /// Which effects do something at these parameters.
+    pub(crate) fn off_null(&self, parameters: &[f64]) -> Vec<bool> {
+        (0..self.effects.len())
+            .map(|i| !self.effects[i].is_null(&parameters[self.span(i)]))
+            .collect()
+    }
+
+    /// The law with these parameters (of the whole vector).
+    pub(crate) fn law_with<D: Scalar>(&self, parameters: &[D]) -> Law<D> {
+        let mut law = self
+            .law
+            .build(&parameters[..self.law_parameters()], self.height_m)
+            .expect("count and height were checked when the model was made")
+            .with_placement(self.placement);
+        law.sign_width = self.sign_width;
+        match self.exponent {
+            Some(Exponent::Two) => law = law.with_exponent(Exponent::Two),
+            Some(Exponent::Half) => law = law.with_exponent(Exponent::Half),
+            Some(Exponent::General(p)) => {
+                law = law.with_exponent(Exponent::General(D::constant(p)))
+            }
+            None => {}
+        }
+        law
+    }
+
+    pub(crate) fn initial_state<D: Scalar>(&self, run: usize, parameters: &[D]) -> D {
+        self.initial[run].map_or(D::constant(0.0), |column| parameters[column])
+    }
+}
+
+fn initial_state_spec(index: usize, unit: &'static str, experiment: &Experiment) -> ParameterSpec {
+    let (lower, upper, typical) = match unit {
+        "rad" => (-3.0, 3.0, 0.1),
+        _ => {
+            let travel = experiment.scales.travel_m;
+            (-10.0 * travel, 10.0 * travel, 1e-2 * travel)
+        }
+    };
+    ParameterSpec {
+        name: Cow::Owned(format!("initial_state_{}", index + 1)),
+        unit: Cow::Borrowed(unit),
+        doc: Cow::Owned(format!(
+            "deflection at the first sample of run {}",
+            index + 1
+        )),
+        lower,
+        upper,
+        typical,
+        null: Some(0.0),
+    }
+}

@@ -1,0 +1,107 @@
+//! What channels do to a sampled signal: slopes, first-order lag, delay. Generic over the scalar, linear in samples.
+
+use friction::Scalar;
+
+/// Slope of a sampled signal at its samples: the parabola through three neighbours, one-sided at the ends.
+pub fn slope<D: Scalar>(time_s: &[f64], signal: &[D]) -> Vec<D> {
+    let n = signal.len();
+    if n < 2 {
+        return vec![D::constant(0.0); n];
+    }
+    let chord = |i: usize| (signal[i + 1] - signal[i]) / (time_s[i + 1] - time_s[i]);
+    let mut slopes = Vec::with_capacity(n);
+    slopes.push(chord(0));
+    for i in 1..n - 1 {
+        let (before, after) = (time_s[i] - time_s[i - 1], time_s[i + 1] - time_s[i]);
+        let weight = before / (before + after);
+        slopes.push(chord(i) * weight + chord(i - 1) * (1.0 - weight));
+    }
+    slopes.push(chord(n - 2));
+    slopes
+}
+
+/// First-order lag, y' = (x - y)/tau, of a signal that is linear between its samples; y starts at x.
+///
+/// Exact for that signal: with r = dt/tau, y1 = x1 - s tau (1 - e^-r) + (y0 - x0) e^-r, s the slope of x. At tau <= 0
+/// the output is the input.
+pub fn lag<D: Scalar>(time_s: &[f64], signal: &mut [D], tau: D) {
+    let Some(&first) = signal.first() else { return };
+    let (mut before, mut y) = (first, first);
+    for i in 1..signal.len() {
+        let dt = time_s[i] - time_s[i - 1];
+        let x = signal[i];
+        y = lag_step(before, x, y, dt, tau);
+        before = x;
+        signal[i] = y;
+    }
+}
+
+/// One step of the lag over `dt` from output `y` at input `x0` to the output at input `x1`. `tau` and `dt` may be a
+/// time, or a distance where memory is a length.
+pub fn lag_step<D: Scalar>(x0: D, x1: D, y: D, dt: f64, tau: D) -> D {
+    if dt <= 0.0 {
+        return y;
+    }
+    let (fade, behind) = if tau.value() * 700.0 < dt {
+        // so short that what was before is forgotten: y follows x by tau times its slope
+        (D::constant(0.0), tau)
+    } else {
+        let fade = (-(tau.recip() * dt)).exp();
+        (fade, tau * (-fade + 1.0))
+    };
+    x1 - (x1 - x0) / dt * behind + (y - x0) * fade
+}
+
+/// The signal as it was `delay` seconds ago (ahead, if negative): a cubic through each pair of samples with their
+/// slopes; before the first and after the last sample the signal stands still.
+pub fn delay<D: Scalar>(time_s: &[f64], signal: &mut [D], delay: D) {
+    let n = signal.len();
+    if n < 2 {
+        return;
+    }
+    let slopes = slope(time_s, signal);
+    let source = signal.to_vec();
+    let mut k = 0;
+    for i in 0..n {
+        let at = -delay + time_s[i];
+        if at.value() <= time_s[0] {
+            // at zero delay the first sample keeps its one-sided derivative
+            let start = at.value() == time_s[0];
+            signal[i] = if start {
+                source[0] + (at - time_s[0]) * slopes[0]
+            } else {
+                source[0]
+            };
+            continue;
+        }
+        if at.value() >= time_s[n - 1] {
+            let end = at.value() == time_s[n - 1];
+            signal[i] = if end {
+                source[n - 1] + (at - time_s[n - 1]) * slopes[n - 1]
+            } else {
+                source[n - 1]
+            };
+            continue;
+        }
+        while k + 2 < n && time_s[k + 1] <= at.value() {
+            k += 1;
+        }
+        while k > 0 && time_s[k] > at.value() {
+            k -= 1;
+        }
+        let h = time_s[k + 1] - time_s[k];
+        let s = (at - time_s[k]) / h;
+        let (s2, s3) = (s * s, s * s * s);
+        let rise = s2 * 3.0 - s3 * 2.0;
+        signal[i] = source[k] * (-rise + 1.0)
+            + source[k + 1] * rise
+            + slopes[k] * (s - s2 * 2.0 + s3) * h
+            + slopes[k + 1] * (s3 - s2) * h;
+    }
+}
+
+/// Value of a sampled signal between its samples by straight lines, `t` inside the record.
+pub fn between<D: Scalar>(time_s: &[f64], signal: &[D], i: usize, t: f64) -> D {
+    let share = (t - time_s[i]) / (time_s[i + 1] - time_s[i]);
+    signal[i] + (signal[i + 1] - signal[i]) * share
+}
