@@ -9,8 +9,8 @@
 #![allow(clippy::needless_range_loop)]
 
 mod certificate;
+pub mod collocation;
 mod convexify;
-mod derivatives;
 mod elastic;
 mod iterate;
 mod merit;
@@ -30,6 +30,7 @@ mod soc;
 mod solution;
 mod solver;
 mod status;
+mod tape;
 
 pub use certificate::Certificate;
 pub use convexify::HessianModel;

@@ -3,9 +3,9 @@
 //! Everything here is in scaled variables and rows (see `scaling`). Hessian
 //! blocks that share a group are summed before anything else happens to them.
 
-use crate::derivatives::{self, BlockFirst, Scratch};
 use crate::pattern::Pattern;
 use crate::scaling::Scaling;
+use crate::tape::{BlockFirst, Sweeper};
 use crate::{Block, LinearRow, Programme, ProgrammeError};
 use std::collections::BTreeMap;
 
@@ -189,7 +189,10 @@ impl<P: Programme> Evaluator for Model<'_, P> {
             self.gather(b, x, &mut point, &mut seeds);
             let start = self.first_row[b];
             let out = &mut rows[start..start + block.rows.len()];
-            cost += derivatives::values(self.programme, b, &point, out);
+            let mut share = 0.0;
+            out.fill(0.0);
+            self.programme.evaluate(b, &point, &mut share, out);
+            cost += share;
             for (value, row) in out.iter_mut().zip(&block.rows) {
                 *value /= row.scale;
             }
@@ -206,13 +209,13 @@ impl<P: Programme> Evaluator for Model<'_, P> {
         jacobian: &mut [f64],
     ) -> f64 {
         let (mut point, mut seeds) = (Vec::new(), Vec::new());
-        let (mut scratch, mut out) = (Scratch::default(), BlockFirst::default());
+        let (mut sweeper, mut out) = (Sweeper::default(), BlockFirst::default());
         let mut cost = 0.0;
         gradient.fill(0.0);
         for (b, block) in self.blocks.iter().enumerate() {
             self.gather(b, x, &mut point, &mut seeds);
             let m = block.rows.len();
-            derivatives::first(self.programme, b, &point, &seeds, m, &mut scratch, &mut out);
+            sweeper.first(self.programme, b, &point, &seeds, m, &mut out);
             cost += out.cost;
             let n = block.variables.len();
             for (&v, g) in block.variables.iter().zip(&out.gradient) {
@@ -236,7 +239,7 @@ impl<P: Programme> Evaluator for Model<'_, P> {
 
     fn second(&self, x: &[f64], weight: f64, y: &[f64], groups: &mut [Vec<f64>]) {
         let (mut point, mut seeds, mut weights) = (Vec::new(), Vec::new(), Vec::new());
-        let mut scratch = Scratch::default();
+        let mut sweeper = Sweeper::default();
         let mut dense = Vec::new();
         for (group, out) in self.structure.groups.iter().zip(groups) {
             let size = group.variables.len();
@@ -258,16 +261,7 @@ impl<P: Programme> Evaluator for Model<'_, P> {
                 dense.clear();
                 dense.resize(n * n, 0.0);
                 let w = weight / self.scaling.cost;
-                derivatives::second(
-                    self.programme,
-                    *b,
-                    &point,
-                    &seeds,
-                    w,
-                    &weights,
-                    &mut scratch,
-                    &mut dense,
-                );
+                sweeper.second(self.programme, *b, &point, &seeds, w, &weights, &mut dense);
                 for (i, &pi) in places.iter().enumerate() {
                     for (j, &pj) in places.iter().enumerate() {
                         out[pi * size + pj] += dense[i * n + j];

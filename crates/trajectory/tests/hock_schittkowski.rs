@@ -36,7 +36,6 @@ fn hs071() {
         ..Options::default()
     };
     let solution = solve(&Hs071, &Start::cold(vec![1.0, 5.0, 5.0, 1.0]), &options).unwrap();
-    println!("{solution:#?}");
     assert!(solution.status.is_solved());
     assert!((solution.cost - 17.0140173).abs() < 1e-6);
 }
