@@ -80,4 +80,15 @@ impl Along {
             *x = innovation * self.inverse_sd[i];
         }
     }
+
+    /// Replaces a stacked column x by (the filter)' x: the same recursion run backwards on the adjoint states.
+    pub(super) fn whiten_transposed(&self, column: &mut [f64]) {
+        let (mut u, mut w) = (0.0, 0.0);
+        for (i, x) in column.iter_mut().enumerate().rev() {
+            let innovation = *x * self.inverse_sd[i] + self.gain[i][0] * u + self.gain[i][1] * w;
+            u = (u - self.scale[i] * innovation) * self.decay[i][0];
+            w = (w - self.scale[i] * innovation) * self.decay[i][1];
+            *x = innovation;
+        }
+    }
 }

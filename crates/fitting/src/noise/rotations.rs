@@ -102,4 +102,20 @@ impl Rotations {
             }
         }
     }
+
+    /// Applies the transposed rotations, last first, to one column.
+    pub(super) fn whiten_transposed(&self, column: &mut [f64]) {
+        let mut field = vec![0.0; self.nodes];
+        for (i, x) in column.iter_mut().enumerate().rev() {
+            let pairs = &self.pairs[self.offset[i]..self.offset[i + 1]];
+            let first = self.first[i];
+            for (z, &(c, s)) in field[first..first + pairs.len()]
+                .iter_mut()
+                .zip(pairs)
+                .rev()
+            {
+                (*z, *x) = (c * *z - s * *x, s * *z + c * *x);
+            }
+        }
+    }
 }

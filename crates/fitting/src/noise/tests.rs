@@ -251,3 +251,15 @@ fn a_single_pass_is_not_separable() {
     let total = (sizes.private.powi(2) + sizes.plate.powi(2)).sqrt();
     assert!((model.sizes.private / total).ln().abs() < 0.5);
 }
+
+/// (W a)'b = a'(W'b).
+#[test]
+fn transposed_whitening_is_the_adjoint() {
+    let context = ramps(80, 2);
+    let whitener = Whitener::new(&context, &SIZES);
+    let (a, b) = (draw(&context, &SIZES, 6), draw(&context, &SIZES, 7));
+    let left = whitener.whiten(&a).dot(&b);
+    let right = a.dot(&whitener.whiten_transposed(&b));
+    let size = whitener.whiten(&a).norm() * b.norm();
+    assert!((left - right).abs() < 1e-10 * size, "{left} {right}");
+}

@@ -111,6 +111,21 @@ impl Whitener {
         out
     }
 
+    /// W' x: with it a' V^-1 r of many columns a costs one pass over each, (W'W r)' a.
+    pub fn whiten_transposed(&self, x: &DVector<f64>) -> DVector<f64> {
+        let mut out = x.clone();
+        let column = out.as_mut_slice();
+        if let Some(scatter) = &self.scatter {
+            // The root of the scatter is symmetric.
+            scatter.apply(column);
+        }
+        if let Some(rotations) = &self.rotations {
+            rotations.whiten_transposed(column);
+        }
+        self.along.whiten_transposed(column);
+        out
+    }
+
     fn sweep(&self, columns: &mut [&mut [f64]]) {
         for column in columns.iter_mut() {
             self.along.whiten(column);

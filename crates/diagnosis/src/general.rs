@@ -1,0 +1,290 @@
+//! The general alternative: something is left, whatever it is, and where it sits.
+//!
+//! Families of hat functions times the friction force, over the plate (the same in both directions, and in each),
+//! over speed, and over time within each run. Each family is tested as a whole (many small deviations) and hat by hat
+//! (one place); the tests pay for one another by Bonferroni's bound.
+
+use campaign::Campaign;
+use nalgebra::DMatrix;
+
+use crate::answer::Place;
+use crate::ground::{Ground, Score};
+use crate::samples::Samples;
+use crate::tail::{log_chi2_tail, log_sum};
+
+/// One family of hats.
+pub(crate) struct Hats {
+    axis: &'static str,
+    unit: &'static str,
+    /// Raw columns (n x k).
+    pub(crate) columns: DMatrix<f64>,
+    /// Interval and run (None: all runs) of each column.
+    cells: Vec<(f64, f64, Option<usize>)>,
+}
+
+/// What the general test says.
+#[derive(Clone, Debug)]
+pub(crate) struct Lack {
+    /// Logarithm of the tail probability over all families.
+    pub(crate) log_p: f64,
+    /// Where the strongest family's deviations sit.
+    pub(crate) place: Option<Place>,
+    /// chi-squared beyond its expectation in the strongest family: what is left to explain.
+    pub(crate) excess: f64,
+}
+
+/// The families that a campaign's samples allow.
+pub(crate) fn families(campaign: &Campaign, samples: &Samples, scale: &[f64], length: f64) -> Vec<Hats> {
+    let heading = samples.heading(campaign);
+    let mut out = Vec::new();
+    let (lo, hi) = range(&samples.place);
+    let cells = (((hi - lo) / (4.0 * length)) as usize).clamp(4, 36);
+    let forward: Vec<bool> = heading.iter().map(|h| *h > 0.0).collect();
+    let both = forward.iter().any(|f| *f) && forward.iter().any(|f| !*f);
+    let all = |_: usize| true;
+    out.push(hats("position", "m", &samples.place, scale, (lo, hi), cells, &all));
+    if both {
+        let odd: Vec<f64> = scale.iter().zip(&heading).map(|(s, h)| s * h).collect();
+        out.push(hats("position", "m", &samples.place, &odd, (lo, hi), cells, &all));
+    }
+    let speed: Vec<f64> = samples.velocity.iter().map(|v| v.abs()).collect();
+    let (slow, fast) = range(&speed);
+    if fast > 1.05 * slow {
+        for way in [true, false] {
+            if forward.contains(&way) {
+                let own = |i: usize| forward[i] == way;
+                out.push(hats("speed", "m/s", &speed, scale, (slow, fast), 8, &own));
+            }
+        }
+    }
+    if samples.runs.len() <= 40 {
+        out.push(each_run(samples, scale));
+    }
+    out
+}
+
+fn range(x: &[f64]) -> (f64, f64) {
+    x.iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &v| (a.min(v), b.max(v)))
+}
+
+/// Triangular hats at equidistant centres, times the scale, on the samples chosen by `own`.
+fn hats(
+    axis: &'static str,
+    unit: &'static str,
+    x: &[f64],
+    scale: &[f64],
+    (lo, hi): (f64, f64),
+    cells: usize,
+    own: &dyn Fn(usize) -> bool,
+) -> Hats {
+    let width = (hi - lo) / cells as f64;
+    let mut columns = DMatrix::zeros(x.len(), cells + 1);
+    for i in 0..x.len() {
+        if !own(i) {
+            continue;
+        }
+        let t = (x[i] - lo) / width;
+        let j = (t.floor().max(0.0) as usize).min(cells - 1);
+        let w = (t - j as f64).clamp(0.0, 1.0);
+        columns[(i, j)] += scale[i] * (1.0 - w);
+        columns[(i, j + 1)] += scale[i] * w;
+    }
+    let cells = (0..=cells)
+        .map(|j| {
+            let centre = lo + width * j as f64;
+            ((centre - width).max(lo), (centre + width).min(hi), None)
+        })
+        .collect();
+    Hats {
+        axis,
+        unit,
+        columns,
+        cells,
+    }
+}
+
+/// Six hats over time in each run.
+fn each_run(samples: &Samples, scale: &[f64]) -> Hats {
+    const CELLS: usize = 6;
+    let runs = samples.runs.len();
+    let mut columns = DMatrix::zeros(samples.len(), runs * (CELLS + 1));
+    let mut cells = Vec::with_capacity(runs * (CELLS + 1));
+    for (k, run) in samples.runs.iter().enumerate() {
+        let end = samples.time[run.end - 1];
+        let width = end / CELLS as f64;
+        for i in run.clone() {
+            let t = samples.time[i] / width;
+            let j = (t.floor().max(0.0) as usize).min(CELLS - 1);
+            let w = (t - j as f64).clamp(0.0, 1.0);
+            columns[(i, k * (CELLS + 1) + j)] += scale[i] * (1.0 - w);
+            columns[(i, k * (CELLS + 1) + j + 1)] += scale[i] * w;
+        }
+        for j in 0..=CELLS {
+            let centre = width * j as f64;
+            cells.push(((centre - width).max(0.0), (centre + width).min(end), Some(k)));
+        }
+    }
+    Hats {
+        axis: "time",
+        unit: "s",
+        columns,
+        cells,
+    }
+}
+
+/// Tests whitened families against a ground; `whitened[f]` belongs to `families[f]`.
+pub(crate) fn test(
+    ground: &Ground,
+    families: &[Hats],
+    whitened: &[DMatrix<f64>],
+    samples: &Samples,
+    campaign: &Campaign,
+) -> Lack {
+    let mut best: Option<(f64, usize, Vec<f64>, f64)> = None;
+    let mut log_p = 0.0_f64;
+    for (f, (family, white)) in families.iter().zip(whitened).enumerate() {
+        let Some(direction) = ground.direction(white) else {
+            continue;
+        };
+        let whole: Score = ground.score(&direction);
+        let single: Vec<f64> = (0..white.ncols())
+            .map(|j| {
+                ground
+                    .direction(&white.columns(j, 1).into_owned())
+                    .map_or(0.0, |d| {
+                        let s = ground.score(&d);
+                        s.z() * s.coefficients.first().copied().unwrap_or(0.0).signum()
+                    })
+            })
+            .collect();
+        let largest = single.iter().fold(0.0_f64, |m, z| m.max(z.abs()));
+        let one = log_chi2_tail(largest * largest, 1) + (white.ncols() as f64).ln();
+        let own = (whole.log_p.min(one) + 2.0_f64.ln()).min(0.0);
+        log_p = log_p.min(own);
+        let excess = (whole.statistic - whole.columns as f64).max(0.0);
+        if best.as_ref().is_none_or(|b| own < b.0) {
+            best = Some((own, f, single, excess));
+        }
+        let _ = family;
+    }
+    let count = families.len().max(1) as f64;
+    let (place, excess) = best.map_or((None, 0.0), |(_, f, single, excess)| {
+        (locate(&families[f], &single, samples, campaign), excess)
+    });
+    Lack {
+        log_p: (log_p + count.ln()).min(0.0),
+        place,
+        excess,
+    }
+}
+
+/// The shortest stretch of neighbouring hats that holds four fifths of the squared deviations beyond chance.
+fn locate(family: &Hats, z: &[f64], samples: &Samples, campaign: &Campaign) -> Option<Place> {
+    let beyond: Vec<f64> = z.iter().map(|z| (z * z - 4.0).max(0.0)).collect();
+    let total: f64 = beyond.iter().sum();
+    if !(total > 0.0) {
+        return None;
+    }
+    let mut best: Option<(f64, usize, usize)> = None;
+    for a in 0..beyond.len() {
+        let mut held = 0.0;
+        for (b, more) in beyond.iter().enumerate().skip(a) {
+            if family.cells[a].2 != family.cells[b].2 {
+                break;
+            }
+            held += more;
+            // A stretch is judged by what it holds and how short it is.
+            if held >= 0.8 * total {
+                let length = family.cells[b].1 - family.cells[a].0;
+                if best.is_none_or(|(l, _, _)| length < l) {
+                    best = Some((length, a, b));
+                }
+                break;
+            }
+        }
+    }
+    let (a, b) = best.map_or_else(
+        || {
+            // Spread over several runs: from the first to the last hat that stands out.
+            let first = beyond.iter().position(|x| *x > 0.02 * total).unwrap_or(0);
+            let last = beyond.iter().rposition(|x| *x > 0.02 * total).unwrap_or(first);
+            (first, last)
+        },
+        |(_, a, b)| (a, b),
+    );
+    let chosen: Vec<usize> = (a..=b).filter(|j| beyond[*j] > 0.02 * total).collect();
+    let from = chosen.iter().map(|&j| family.cells[j].0).fold(f64::INFINITY, f64::min);
+    let to = chosen.iter().map(|&j| family.cells[j].1).fold(f64::NEG_INFINITY, f64::max);
+    let runs: Vec<String> = match family.cells[a].2 {
+        Some(_) => {
+            let mut own: Vec<usize> = chosen.iter().filter_map(|&j| family.cells[j].2).collect();
+            own.dedup();
+            own.into_iter().map(|k| campaign.runs[k].name.clone()).collect()
+        }
+        None => (0..samples.runs.len())
+            .filter(|&k| {
+                samples.runs[k]
+                    .clone()
+                    .any(|i| chosen.iter().any(|&j| family.columns[(i, j)] != 0.0))
+            })
+            .map(|k| campaign.runs[k].name.clone())
+            .collect(),
+    };
+    Some(Place {
+        axis: family.axis.into(),
+        from,
+        to,
+        unit: family.unit.into(),
+        runs,
+    })
+}
+
+/// Short bursts: stretches of whitened residual whose mean square is above what the campaign's own tails allow.
+pub(crate) fn bursts(ground: &Ground, samples: &Samples, campaign: &Campaign) -> Lack {
+    const WINDOW: usize = 40;
+    let y = &ground.y;
+    let n = y.len() as f64;
+    let mean = y.norm_squared() / n;
+    // Robust spread of squares: tails of the noise itself must not look like bursts.
+    let fourth = y.iter().map(|x| (x * x / mean - 1.0).powi(2)).sum::<f64>() / n;
+    let spread = fourth.max(2.0).sqrt();
+    let mut best = (0.0, 0, 0);
+    let mut count = 0_usize;
+    for (k, run) in samples.runs.iter().enumerate() {
+        let mut start = run.start;
+        while start + WINDOW <= run.end {
+            let power: f64 = y.as_slice()[start..start + WINDOW]
+                .iter()
+                .map(|x| x * x / mean - 1.0)
+                .sum();
+            let z = power / (spread * (WINDOW as f64).sqrt());
+            count += 1;
+            if z > best.0 {
+                best = (z, k, start);
+            }
+            start += WINDOW / 2;
+        }
+    }
+    if count == 0 {
+        return Lack { log_p: 0.0, place: None, excess: 0.0 };
+    }
+    let (z, k, start) = best;
+    // A window's mean square is skewed: Wilson-Hilferty's cube root makes its tail that of a normal.
+    let nu = 2.0 * WINDOW as f64 / (spread * spread);
+    let ratio = (1.0 + z * spread / (WINDOW as f64).sqrt()).max(0.0);
+    let normal = (ratio.cbrt() - (1.0 - 2.0 / (9.0 * nu))) / (2.0 / (9.0 * nu)).sqrt();
+    let log_p = log_chi2_tail(normal.max(0.0).powi(2), 1) - 2.0_f64.ln();
+    let end = (start + WINDOW - 1).min(samples.runs[k].end - 1);
+    Lack {
+        log_p: log_sum(log_p + (count as f64).ln(), f64::NEG_INFINITY).min(0.0),
+        place: Some(Place {
+            axis: "time".into(),
+            from: samples.time[start],
+            to: samples.time[end],
+            unit: "s".into(),
+            runs: vec![campaign.runs[k].name.clone()],
+        }),
+        excess: (ratio - 1.0).max(0.0) * WINDOW as f64,
+    }
+}

@@ -1,0 +1,368 @@
+//! A campaign in whitened coordinates with the fitted model's own directions taken out: where every question about a
+//! further effect is asked.
+//!
+//! With W the whitening (scatter between runs left out), J the fitted model's Jacobian, r the residual, H a gain
+//! column a run, and Q an orthonormal basis of W J:
+//!
+//! ```text
+//! y = (I - QQ') W r,   H~ = (I - QQ') W H,   H~'H~ = E diag(lambda) E',   V(s) = I + s^2 H~ H~'            (D1)
+//! ```
+//!
+//! An effect with columns S has s~ = (I - QQ') W S. For a scatter s between runs its score statistic is
+//! T(s) = u'A^-1 u with A = S~'V^-1 S~, u = S~'V^-1 y, a chi-squared with as many degrees of freedom as S has columns
+//! if there is no such effect. The scatter is not known: its posterior given that the effect may be there,
+//!
+//! ```text
+//! log p(s | y) = -1/2 [ sum log(1 + s^2 lambda) + log det A(s) - s^2 sum t^2/(1 + s^2 lambda) - T(s) ] + log prior
+//! ```
+//!
+//! weighs the tail probabilities. Where runs tell the scatter from few degrees of freedom this is Student's t, and an
+//! effect that lives within runs loses nothing.
+
+use fitting::noise::ScatterEvidence;
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use crate::tail::{equivalent_z, log_chi2_tail, log_sum};
+
+/// Columns that keep less than this share of their length after projection are not tested: the law absorbs them.
+pub(crate) const ABSORBED: f64 = 1e-4;
+
+/// Whitened, projected coordinates of a campaign under a fitted model, see (D1).
+pub(crate) struct Ground {
+    basis: DMatrix<f64>,
+    /// Whitened residual, projected.
+    pub(crate) y: DVector<f64>,
+    /// H~ E.
+    gains: DMatrix<f64>,
+    lambda: Vec<f64>,
+    turned: Vec<f64>,
+    scatters: Vec<(f64, f64)>,
+}
+
+/// A tested effect in these coordinates.
+pub(crate) struct Direction {
+    /// Orthonormal columns of the projected effect (n x k).
+    pub(crate) columns: DMatrix<f64>,
+    /// Share of the whitened effect's length that the model does not absorb (largest column).
+    pub(crate) kept: f64,
+    /// The map from the orthonormal columns' coefficients to those of the given columns.
+    back: DMatrix<f64>,
+}
+
+/// The outcome of a score test.
+#[derive(Clone, Debug)]
+pub(crate) struct Score {
+    /// Statistic at the likeliest scatter.
+    pub(crate) statistic: f64,
+    /// Degrees of freedom.
+    pub(crate) columns: usize,
+    /// Logarithm of the tail probability, scatter integrated over.
+    pub(crate) log_p: f64,
+    /// Estimated coefficients of the given columns, at the likeliest scatter.
+    pub(crate) coefficients: Vec<f64>,
+    /// The likeliest scatter with the effect in the model.
+    pub(crate) scatter: f64,
+}
+
+impl Score {
+    /// Standard deviations with the same two-sided tail.
+    pub(crate) fn z(&self) -> f64 {
+        equivalent_z(self.log_p)
+    }
+}
+
+impl Ground {
+    /// From whitened Jacobian, whitened gains (n x K) and whitened residual, the whitening being without scatter.
+    pub(crate) fn new(
+        jacobian: &DMatrix<f64>,
+        gains: &DMatrix<f64>,
+        residual: &DVector<f64>,
+    ) -> Self {
+        let basis = orthonormal(jacobian, 1e-9).0;
+        let y = residual - &basis * basis.tr_mul(residual);
+        let free = gains - &basis * basis.tr_mul(gains);
+        let full = (0..gains.ncols())
+            .map(|k| gains.column(k).norm_squared())
+            .fold(0.0, f64::max);
+        let eigen = free.tr_mul(&free).symmetric_eigen();
+        let mut order: Vec<usize> = (0..eigen.eigenvalues.len())
+            .filter(|&k| eigen.eigenvalues[k] > 1e-6 * full)
+            .collect();
+        order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
+        let turn = eigen.eigenvectors.select_columns(&order);
+        let lambda: Vec<f64> = order.iter().map(|&k| eigen.eigenvalues[k]).collect();
+        let gains = &free * &turn;
+        let turned: Vec<f64> = gains.tr_mul(&y).iter().copied().collect();
+        let evidence = ScatterEvidence {
+            lambda: lambda.clone(),
+            score: turned.clone(),
+        };
+        // The nodes of the scatter are kept; their weights are those of the prior, likelihoods differ by hypothesis.
+        let scatters = evidence
+            .posterior()
+            .into_iter()
+            .map(|(s, w)| {
+                let log_prior = if w > 0.0 {
+                    w.ln() + 0.5 * evidence.deviance(s)
+                } else {
+                    f64::NEG_INFINITY
+                };
+                (s, log_prior)
+            })
+            .collect();
+        Self {
+            basis,
+            y,
+            gains,
+            lambda,
+            turned,
+            scatters,
+        }
+    }
+
+    /// Degrees of freedom from which the scatter between runs is estimated.
+    pub(crate) fn scatter_freedom(&self) -> usize {
+        self.lambda.len()
+    }
+
+    /// Takes the model's directions out of whitened columns.
+    pub(crate) fn project(&self, whitened: &DMatrix<f64>) -> DMatrix<f64> {
+        whitened - &self.basis * self.basis.tr_mul(whitened)
+    }
+
+    /// The tested effect with these whitened columns, `None` where the model absorbs all of it.
+    pub(crate) fn direction(&self, whitened: &DMatrix<f64>) -> Option<Direction> {
+        let free = self.project(whitened);
+        let kept = (0..free.ncols())
+            .map(|j| {
+                let full = whitened.column(j).norm();
+                if full > 0.0 { free.column(j).norm() / full } else { 0.0 }
+            })
+            .fold(0.0, f64::max);
+        if !(kept > ABSORBED) {
+            return None;
+        }
+        // Columns are compared at their own lengths, so a column absorbed by the model does not come back as noise.
+        let mut usable = free.clone();
+        for j in 0..free.ncols() {
+            if free.column(j).norm() <= ABSORBED * whitened.column(j).norm() {
+                usable.column_mut(j).fill(0.0);
+            }
+        }
+        let (columns, back) = orthonormal(&usable, 1e-5);
+        (columns.ncols() > 0).then_some(Direction {
+            columns,
+            kept,
+            back,
+        })
+    }
+
+    /// The score test of an effect, the scatter between runs integrated over.
+    pub(crate) fn score(&self, direction: &Direction) -> Score {
+        let k = direction.columns.ncols();
+        let plain = direction.columns.tr_mul(&self.y);
+        let against = self.gains.tr_mul(&direction.columns);
+        let mut log_weights = Vec::with_capacity(self.scatters.len());
+        let mut log_tails = Vec::with_capacity(self.scatters.len());
+        let mut best = (f64::NEG_INFINITY, 0.0, 0.0, DVector::zeros(k));
+        for &(s, log_prior) in &self.scatters {
+            let Some((statistic, log_det, coefficients)) = self.at(s, &plain, &against) else {
+                continue;
+            };
+            let s2 = s * s;
+            let between: f64 = self
+                .lambda
+                .iter()
+                .zip(&self.turned)
+                .map(|(l, t)| (s2 * l).ln_1p() - s2 * t * t / (1.0 + s2 * l))
+                .sum();
+            let log_likelihood = -0.5 * (between + log_det - statistic);
+            log_weights.push(log_likelihood + log_prior);
+            log_tails.push(log_chi2_tail(statistic, k));
+            if log_likelihood > best.0 {
+                best = (log_likelihood, s, statistic, coefficients);
+            }
+        }
+        let total = log_weights.iter().copied().fold(f64::NEG_INFINITY, log_sum);
+        let log_p = log_weights
+            .iter()
+            .zip(&log_tails)
+            .map(|(w, t)| w - total + t)
+            .fold(f64::NEG_INFINITY, log_sum);
+        let coefficients = &direction.back * &best.3;
+        Score {
+            statistic: best.2,
+            columns: k,
+            log_p: log_p.min(0.0),
+            coefficients: coefficients.iter().copied().collect(),
+            scatter: best.1,
+        }
+    }
+
+    /// T(s), log det A(s) and A^-1 u.
+    fn at(
+        &self,
+        s: f64,
+        plain: &DVector<f64>,
+        against: &DMatrix<f64>,
+    ) -> Option<(f64, f64, DVector<f64>)> {
+        let k = plain.len();
+        let mut a = DMatrix::identity(k, k);
+        let mut u = plain.clone();
+        let s2 = s * s;
+        for (m, (l, t)) in self.lambda.iter().zip(&self.turned).enumerate() {
+            let shrink = s2 / (1.0 + s2 * l);
+            for i in 0..k {
+                u[i] -= shrink * against[(m, i)] * t;
+                for j in 0..k {
+                    a[(i, j)] -= shrink * against[(m, i)] * against[(m, j)];
+                }
+            }
+        }
+        // What the scatter leaves of a direction that lives between runs may be nothing but rounding.
+        for i in 0..k {
+            a[(i, i)] += 1e-9;
+        }
+        let factor = Cholesky::new(a)?;
+        let solved = factor.solve(&u);
+        let log_det = 2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>();
+        Some((u.dot(&solved), log_det, solved))
+    }
+
+    /// Length of a projected, whitened effect when a scatter s between runs must be told from it: sqrt(d' V(s)^-1 d).
+    pub(crate) fn distance(&self, projected: &DVector<f64>, scatter: f64) -> f64 {
+        self.inner(projected, projected, scatter).max(0.0).sqrt()
+    }
+
+    /// a'V(s)^-1 b of projected, whitened vectors.
+    pub(crate) fn inner(&self, a: &DVector<f64>, b: &DVector<f64>, scatter: f64) -> f64 {
+        let s2 = scatter * scatter;
+        let (ga, gb) = (self.gains.tr_mul(a), self.gains.tr_mul(b));
+        let lost: f64 = self
+            .lambda
+            .iter()
+            .enumerate()
+            .map(|(m, l)| s2 / (1.0 + s2 * l) * ga[m] * gb[m])
+            .sum();
+        a.dot(b) - lost
+    }
+
+    /// Root of V(s)^-1 applied to projected columns, so that plain inner products hold afterwards.
+    pub(crate) fn descatter(&self, columns: &DMatrix<f64>, scatter: f64) -> DMatrix<f64> {
+        let mut out = columns.clone();
+        let s2 = scatter * scatter;
+        for (m, l) in self.lambda.iter().enumerate() {
+            let u = self.gains.column(m) / l.sqrt();
+            let shrink = 1.0 - 1.0 / (1.0 + s2 * l).sqrt();
+            let along = u.transpose() * columns;
+            out -= &u * along * shrink;
+        }
+        out
+    }
+}
+
+/// Orthonormal columns X of A's range with X = A back, columns below `tolerance` of their own length dropped.
+pub(crate) fn orthonormal(a: &DMatrix<f64>, tolerance: f64) -> (DMatrix<f64>, DMatrix<f64>) {
+    let (n, p) = a.shape();
+    let mut basis: Vec<DVector<f64>> = Vec::new();
+    let mut back: Vec<DVector<f64>> = Vec::new();
+    for j in 0..p {
+        let norm = a.column(j).norm();
+        if !(norm > 0.0) || !norm.is_finite() {
+            continue;
+        }
+        let mut v: DVector<f64> = a.column(j) / norm;
+        let mut b = DVector::zeros(p);
+        b[j] = 1.0 / norm;
+        // Gram-Schmidt, twice: enough for orthogonality to rounding.
+        for _ in 0..2 {
+            for (e, f) in basis.iter().zip(&back) {
+                let along = e.dot(&v);
+                v.axpy(-along, e, 1.0);
+                b.axpy(-along, f, 1.0);
+            }
+        }
+        let left = v.norm();
+        if left > tolerance {
+            basis.push(v / left);
+            back.push(b / left);
+        }
+    }
+    if basis.is_empty() {
+        (DMatrix::zeros(n, 0), DMatrix::zeros(p, 0))
+    } else {
+        (DMatrix::from_columns(&basis), DMatrix::from_columns(&back))
+    }
+}
+
+/// log of the tail probability of the largest of a family of tests along a path, by the volume of tubes:
+/// one column: P(chi2_1 > T) + (L / pi) e^(-T/2); two: e^(-T/2) (1 + L sqrt(T / 2 pi)) (Hotelling; Davies 1987).
+pub(crate) fn look_elsewhere(score: &Score, path: f64) -> f64 {
+    if path <= 0.0 {
+        return score.log_p;
+    }
+    // The scatter-integrated tail stands for a chi-squared statistic with the same tail.
+    let t = match score.columns {
+        1 => score.z().powi(2),
+        _ => -2.0 * score.log_p,
+    };
+    let crossings = match score.columns {
+        1 => (path / std::f64::consts::PI).ln() - 0.5 * t,
+        _ => (path * (t / std::f64::consts::TAU).sqrt().max(0.3)).ln() - 0.5 * t,
+    };
+    log_sum(score.log_p, crossings).min(0.0)
+}
+
+/// Angle between two normalised directions: the largest principal angle of their column spaces.
+pub(crate) fn angle(a: &DMatrix<f64>, b: &DMatrix<f64>) -> f64 {
+    let overlap = a.tr_mul(b);
+    let singular = overlap.singular_values();
+    let k = a.ncols().min(b.ncols());
+    let mean: f64 = singular.iter().take(k).map(|s| s * s).sum::<f64>() / k as f64;
+    mean.clamp(0.0, 1.0).sqrt().acos()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    fn normal(rng: &mut ChaCha8Rng) -> f64 {
+        StandardNormal.sample(rng)
+    }
+
+    /// Six runs of 40 samples with a scatter ten times what one run's own noise allows to see; an effect between runs
+    /// must keep its false-alarm rate (Student's t with 4 - 1 degrees of freedom), and so must one within runs.
+    #[test]
+    fn tails_are_calibrated_with_few_runs() {
+        let (runs, each) = (6, 40);
+        let n = runs * each;
+        let gains = DMatrix::from_fn(n, runs, |i, k| if i / each == k { 1.0 } else { 0.0 });
+        let mean = DMatrix::from_fn(n, 2, |i, c| {
+            if (i / each) % 2 == c { 1.0 } else { 0.0 }
+        });
+        let between = DMatrix::from_fn(n, 1, |i, _| (i / each) as f64);
+        let within = DMatrix::from_fn(n, 1, |i, _| ((i % each) as f64 * 0.3).sin());
+        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        let trials = 3000;
+        let mut hits = [0_usize; 2];
+        for _ in 0..trials {
+            let b: Vec<f64> = (0..runs).map(|_| 1.6 * normal(&mut rng)).collect();
+            let r = DVector::from_fn(n, |i, _| b[i / each] + normal(&mut rng));
+            let ground = Ground::new(&mean, &gains, &r);
+            assert_eq!(ground.scatter_freedom(), 4);
+            for (hit, effect) in hits.iter_mut().zip([&between, &within]) {
+                let direction = ground.direction(effect).expect("not absorbed");
+                if ground.score(&direction).log_p < 0.02_f64.ln() {
+                    *hit += 1;
+                }
+            }
+        }
+        // 2 % nominal: 60 expected, standard deviation 7.7.
+        for (hit, least) in hits.iter().zip([15, 35]) {
+            assert!((least..=85).contains(hit), "{hits:?} of {trials}");
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! Searching a residual for periods: in position (texture, a drive's pitch) and in time (an oscillating load).
+//!
+//! A periodic effect multiplies an envelope e_i (the friction force, or the force's answer to speed) by
+//! cos(2 pi f x_i) and sin(2 pi f x_i). Its score needs u = S'W'V^-1 y, one pass over the samples a frequency with the
+//! vector g = W'(projection)V^-1 y kept. The variance of u changes slowly with f: it is computed exactly on a coarse
+//! set of frequencies and interpolated. Peaks found so are tested exactly, the search paid for by its path length.
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// A family of periodic effects that share an envelope and a coordinate.
+pub(crate) struct Family<'a> {
+    /// Position in m or time in s, a sample.
+    pub(crate) coordinate: &'a [f64],
+    /// What the period multiplies.
+    pub(crate) envelope: &'a [f64],
+    /// Lowest and highest frequency, 1/m or Hz.
+    pub(crate) band: (f64, f64),
+    /// Spacing of frequencies: half a cycle over the longest stretch.
+    pub(crate) spacing: f64,
+}
+
+/// A frequency at which the residual has a line.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Peak {
+    /// Frequency, 1/m or Hz.
+    pub(crate) frequency: f64,
+    /// Approximate statistic (chi-squared with two degrees of freedom).
+    pub(crate) statistic: f64,
+}
+
+impl Family<'_> {
+    /// The number of frequencies searched.
+    pub(crate) fn count(&self) -> usize {
+        let span = self.band.1 - self.band.0;
+        if !(span > 0.0) || !(self.spacing > 0.0) {
+            return 0;
+        }
+        ((span / self.spacing) as usize + 1).min(4000)
+    }
+
+    /// Cosine and sine columns of one frequency.
+    pub(crate) fn columns(&self, frequency: f64) -> DMatrix<f64> {
+        let n = self.envelope.len();
+        let mut out = DMatrix::zeros(n, 2);
+        for i in 0..n {
+            let (sin, cos) = (std::f64::consts::TAU * frequency * self.coordinate[i]).sin_cos();
+            out[(i, 0)] = self.envelope[i] * cos;
+            out[(i, 1)] = self.envelope[i] * sin;
+        }
+        out
+    }
+
+    /// |S'g|^2 of one frequency.
+    fn power(&self, frequency: f64, g: &DVector<f64>) -> f64 {
+        let (mut a, mut b) = (0.0, 0.0);
+        for i in 0..self.envelope.len() {
+            let (sin, cos) = (std::f64::consts::TAU * frequency * self.coordinate[i]).sin_cos();
+            let x = self.envelope[i] * g[i];
+            a += x * cos;
+            b += x * sin;
+        }
+        a * a + b * b
+    }
+
+    /// The strongest lines, strongest first. `variance(columns)` is half the trace of S'V^-1 S after projection.
+    pub(crate) fn peaks(
+        &self,
+        g: &DVector<f64>,
+        variance: &(dyn Fn(&DMatrix<f64>) -> f64 + Sync),
+        most: usize,
+    ) -> Vec<Peak> {
+        let count = self.count();
+        if count < 3 {
+            return Vec::new();
+        }
+        let at = |i: usize| self.band.0 + self.spacing * i as f64;
+        let knots = knots(count);
+        let known: Vec<f64> = knots
+            .par_iter()
+            .map(|&i| variance(&self.columns(at(i))).max(1e-300).ln())
+            .collect();
+        let values: Vec<f64> = (0..count)
+            .into_par_iter()
+            .map(|i| {
+                let k = knots.partition_point(|&x| x <= i).clamp(1, knots.len() - 1);
+                let (a, b) = (knots[k - 1], knots[k]);
+                let w = (i as f64 - a as f64) / (b as f64 - a as f64);
+                let log_variance = known[k - 1] * (1.0 - w) + known[k] * w;
+                self.power(at(i), g) / log_variance.exp()
+            })
+            .collect();
+        let mut order: Vec<usize> = (0..count)
+            .filter(|&i| {
+                (i == 0 || values[i] >= values[i - 1]) && (i + 1 == count || values[i] > values[i + 1])
+            })
+            .collect();
+        order.sort_by(|&a, &b| values[b].total_cmp(&values[a]));
+        order
+            .into_iter()
+            .take(most)
+            .map(|i| {
+                // Between the grid's frequencies the line may be higher: a golden section over one spacing each way.
+                let f = self.sharpen(at(i), g);
+                let gain = self.power(f, g) / self.power(at(i), g).max(1e-300);
+                Peak {
+                    frequency: f,
+                    statistic: values[i] * gain,
+                }
+            })
+            .collect()
+    }
+
+    fn sharpen(&self, frequency: f64, g: &DVector<f64>) -> f64 {
+        let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
+        let mut lo = (frequency - self.spacing).max(0.5 * self.band.0);
+        let mut hi = frequency + self.spacing;
+        for _ in 0..24 {
+            let (a, b) = (hi - ratio * (hi - lo), lo + ratio * (hi - lo));
+            if self.power(a, g) > self.power(b, g) {
+                hi = b;
+            } else {
+                lo = a;
+            }
+        }
+        0.5 * (lo + hi)
+    }
+
+    /// Path length of the search on the unit sphere: a frequency's columns turn by about pi/2 over one cycle more in
+    /// the longest stretch, and one spacing is half of that.
+    pub(crate) fn path(&self) -> f64 {
+        self.count() as f64 * std::f64::consts::FRAC_PI_4
+    }
+}
+
+/// All of the lowest frequencies (the law absorbs some), then every sixteenth.
+fn knots(count: usize) -> Vec<usize> {
+    let mut out: Vec<usize> = (0..count.min(12)).collect();
+    let mut i = 12;
+    while i < count {
+        out.push(i);
+        i += 16;
+    }
+    if out.last() != Some(&(count - 1)) {
+        out.push(count - 1);
+    }
+    out
+}

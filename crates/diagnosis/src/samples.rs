@@ -1,0 +1,107 @@
+//! What is known of each sample before any law is fitted: stacked plain numbers.
+
+use std::ops::Range;
+
+use campaign::{Campaign, Direction};
+
+/// Stacked samples of all runs of a campaign, in the campaign's canonical order.
+#[derive(Clone, Debug)]
+pub(crate) struct Samples {
+    /// Samples of each run.
+    pub(crate) runs: Vec<Range<usize>>,
+    /// Run of each sample.
+    pub(crate) owner: Vec<usize>,
+    /// Time since the start of the run, s.
+    pub(crate) time: Vec<f64>,
+    /// Velocity, m/s.
+    pub(crate) velocity: Vec<f64>,
+    /// Stage coordinate, m.
+    pub(crate) place: Vec<f64>,
+    /// Distance slid since the start of the run, m.
+    pub(crate) sliding: Vec<f64>,
+    /// Normal load, N, or 1 where there is none.
+    pub(crate) load: Vec<f64>,
+    /// Recorded force, N.
+    pub(crate) force: Vec<f64>,
+    /// Temperature, degrees Celsius, where every run records it.
+    pub(crate) temperature: Option<Vec<f64>>,
+    /// Whether every run has a load (then results are coefficients).
+    pub(crate) loaded: bool,
+}
+
+impl Samples {
+    pub(crate) fn new(campaign: &Campaign) -> Self {
+        let loaded = campaign
+            .runs
+            .iter()
+            .all(|r| r.normal_load_n.is_some() || r.normal_force_n.is_some());
+        let mut out = Self {
+            runs: Vec::new(),
+            owner: Vec::new(),
+            time: Vec::new(),
+            velocity: Vec::new(),
+            place: Vec::new(),
+            sliding: Vec::new(),
+            load: Vec::new(),
+            force: Vec::new(),
+            temperature: campaign
+                .runs
+                .iter()
+                .all(|r| r.temperature_c.is_some())
+                .then(Vec::new),
+            loaded,
+        };
+        for (k, run) in campaign.runs.iter().enumerate() {
+            let start = out.time.len();
+            let n = run.time_s.len();
+            let (mut place, mut slid) = (run.start_position_m, 0.0);
+            for i in 0..n {
+                if i > 0 {
+                    // Trapezoid: the velocity record is taken as piecewise linear.
+                    let step = run.time_s[i] - run.time_s[i - 1];
+                    let (a, b) = (run.velocity_m_s[i - 1], run.velocity_m_s[i]);
+                    place += 0.5 * step * (a + b);
+                    slid += 0.5 * step * (a.abs() + b.abs());
+                }
+                out.owner.push(k);
+                out.time.push(run.time_s[i] - run.time_s[0]);
+                out.velocity.push(run.velocity_m_s[i]);
+                out.place
+                    .push(run.position_m.as_ref().map_or(place, |p| p[i]));
+                out.sliding.push(slid);
+                out.load.push(match (&run.normal_force_n, run.normal_load_n) {
+                    (Some(force), _) => force[i],
+                    (None, Some(load)) if loaded => load,
+                    _ => 1.0,
+                });
+                out.force.push(run.force_n[i]);
+                if let (Some(all), Some(own)) = (&mut out.temperature, &run.temperature_c) {
+                    all.push(own[i]);
+                }
+            }
+            out.runs.push(start..out.time.len());
+        }
+        out
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.time.len()
+    }
+
+    /// +1 where the sample belongs to a forward motion, -1 in reverse, by the sign of the velocity, or at rest by the
+    /// run's direction.
+    pub(crate) fn heading(&self, campaign: &Campaign) -> Vec<f64> {
+        (0..self.len())
+            .map(|i| {
+                let v = self.velocity[i];
+                if v != 0.0 {
+                    v.signum()
+                } else if campaign.runs[self.owner[i]].direction == Direction::Reverse {
+                    -1.0
+                } else {
+                    1.0
+                }
+            })
+            .collect()
+    }
+}
