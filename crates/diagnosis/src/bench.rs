@@ -1,0 +1,530 @@
+//! The bench: one campaign with its law and catalogue, fits of a law with effects, and the noise beneath them.
+
+use campaign::Campaign;
+use fitting::noise::{Context, EstimateOptions, NoiseModel, Sizes, Whitener, estimate};
+use fitting::{Bounds, Options as SolverOptions, Residuals, minimise};
+use friction::LawKind;
+use nalgebra::{Cholesky, DMatrix, DVector};
+use rig::{Cause, Experiment, Model, ModelFile};
+
+use crate::ground::Ground;
+use crate::samples::Samples;
+
+/// Everything that stays the same while hypotheses come and go.
+pub(crate) struct Bench<'a> {
+    pub(crate) campaign: &'a Campaign,
+    pub(crate) experiment: Experiment,
+    pub(crate) samples: Samples,
+    pub(crate) law: LawKind,
+    /// Causes that act on this law and that this campaign can tell at all.
+    pub(crate) catalogue: Vec<Box<dyn Cause>>,
+    /// Parameters of the law known from elsewhere.
+    pub(crate) prior: Option<Prior>,
+    /// Accuracy of the sensor as stated, N.
+    pub(crate) stated_sensor: Option<f64>,
+    /// Whether some condition was repeated.
+    pub(crate) repeats: bool,
+}
+
+/// Knowledge of the law's parameters from a model file: values and the root of their precision.
+#[derive(Clone)]
+pub(crate) struct Prior {
+    pub(crate) values: Vec<f64>,
+    /// C^-1/2, one row a pseudo-observation.
+    root: DMatrix<f64>,
+}
+
+impl Prior {
+    /// From a model file; parameters without an uncertainty are taken as exact to one part in a million.
+    pub(crate) fn new(file: &ModelFile, law: LawKind) -> Result<Self, String> {
+        let values = file.law_values()?;
+        let n = values.len();
+        let floor: Vec<f64> = values
+            .iter()
+            .zip(law.parameters())
+            .map(|(v, spec)| 1e-6 * v.abs().max(1e-3 * spec.typical.abs()))
+            .collect();
+        let mut covariance = match &file.covariance {
+            Some(c) => DMatrix::from_fn(n, n, |i, j| c[i][j]),
+            None => DMatrix::from_fn(n, n, |i, j| {
+                if i == j {
+                    file.parameters[i].sd.unwrap_or(0.0).powi(2)
+                } else {
+                    0.0
+                }
+            }),
+        };
+        for i in 0..n {
+            covariance[(i, i)] += floor[i] * floor[i];
+        }
+        // Scaled to a correlation matrix first: parameters differ by powers of ten.
+        let sd: Vec<f64> = (0..n).map(|i| covariance[(i, i)].sqrt()).collect();
+        let correlation = DMatrix::from_fn(n, n, |i, j| {
+            covariance[(i, j)] / (sd[i] * sd[j]) + if i == j { 1e-9 } else { 0.0 }
+        });
+        let factor = Cholesky::new(correlation)
+            .ok_or_else(|| "the model's covariance is not positive definite".to_owned())?;
+        let scaled = DMatrix::from_fn(n, n, |i, j| if i == j { 1.0 / sd[i] } else { 0.0 });
+        let root = factor
+            .l()
+            .solve_lower_triangular(&scaled)
+            .ok_or_else(|| "the model's covariance cannot be inverted".to_owned())?;
+        Ok(Self { values, root })
+    }
+}
+
+/// Runs that are looked at; the others keep their commands and hide their force.
+#[derive(Clone)]
+pub(crate) struct Subset {
+    pub(crate) runs: Vec<usize>,
+    rows: Vec<usize>,
+    whole: bool,
+}
+
+impl Subset {
+    pub(crate) fn new(bench: &Bench<'_>, runs: Vec<usize>) -> Self {
+        let rows: Vec<usize> = runs
+            .iter()
+            .flat_map(|&k| bench.samples.runs[k].clone())
+            .collect();
+        let whole = rows.len() == bench.samples.len();
+        Self { runs, rows, whole }
+    }
+
+    pub(crate) fn all(bench: &Bench<'_>) -> Self {
+        Self::new(bench, (0..bench.samples.runs.len()).collect())
+    }
+
+    /// Number of samples looked at.
+    pub(crate) fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    pub(crate) fn gather(&self, stacked: &[f64]) -> DVector<f64> {
+        DVector::from_iterator(self.rows.len(), self.rows.iter().map(|&i| stacked[i]))
+    }
+
+    pub(crate) fn gather_columns(&self, stacked: &DMatrix<f64>) -> DMatrix<f64> {
+        if self.whole {
+            stacked.clone()
+        } else {
+            stacked.select_rows(&self.rows)
+        }
+    }
+
+    /// The noise's context of these runs.
+    pub(crate) fn context(&self, bench: &Bench<'_>, scale: &[f64]) -> Context {
+        let mut runs = Vec::with_capacity(self.runs.len());
+        let mut start = 0;
+        for &k in &self.runs {
+            let n = bench.samples.runs[k].len();
+            runs.push(start..start + n);
+            start += n;
+        }
+        let pick = |x: &[f64]| self.rows.iter().map(|&i| x[i]).collect::<Vec<f64>>();
+        Context {
+            runs,
+            sliding: pick(&bench.samples.sliding),
+            place: pick(&bench.samples.place),
+            scale: pick(scale),
+        }
+    }
+
+    /// The samples of these runs.
+    pub(crate) fn samples(&self, bench: &Bench<'_>) -> Samples {
+        if self.whole {
+            return bench.samples.clone();
+        }
+        let all = &bench.samples;
+        let pick = |x: &[f64]| self.rows.iter().map(|&i| x[i]).collect::<Vec<f64>>();
+        let context = self.context(bench, &all.force);
+        Samples {
+            runs: context.runs,
+            owner: self.rows.iter().map(|&i| all.owner[i]).collect(),
+            time: pick(&all.time),
+            velocity: pick(&all.velocity),
+            place: pick(&all.place),
+            sliding: pick(&all.sliding),
+            load: pick(&all.load),
+            force: pick(&all.force),
+            temperature: all.temperature.as_deref().map(pick),
+            loaded: all.loaded,
+        }
+    }
+}
+
+/// A law with effects, fitted to the runs of a subset.
+#[derive(Clone)]
+pub(crate) struct Fitted {
+    /// Effects by their place in the catalogue.
+    pub(crate) effects: Vec<usize>,
+    pub(crate) model: Model,
+    pub(crate) parameters: Vec<f64>,
+    /// Prediction for all samples of the campaign, N.
+    pub(crate) prediction: Vec<f64>,
+    /// 1/2 |W r|^2 at the end of the fit.
+    pub(crate) cost: f64,
+    pub(crate) converged: bool,
+}
+
+/// Which parameters move in a fit.
+fn movable(model: &Model, subset: &Subset, runs: usize) -> Vec<bool> {
+    let mut free = vec![true; model.parameters().len()];
+    for run in 0..runs {
+        if let Some(column) = model.initial_state_of(run) {
+            free[column] = subset.runs.contains(&run);
+        }
+    }
+    free
+}
+
+/// The whitened least-squares problem of a model on a subset.
+struct Problem<'a> {
+    bench: &'a Bench<'a>,
+    subset: &'a Subset,
+    model: &'a Model,
+    whitener: &'a Whitener,
+    measured: DVector<f64>,
+}
+
+impl Problem<'_> {
+    fn with_prior(&self, whitened: DVector<f64>, parameters: &[f64]) -> DVector<f64> {
+        match &self.bench.prior {
+            None => whitened,
+            Some(prior) => {
+                let shift = DVector::from_iterator(
+                    prior.values.len(),
+                    prior.values.iter().zip(parameters).map(|(v, p)| p - v),
+                );
+                let rows = &prior.root * shift;
+                let n = whitened.len();
+                let mut out = whitened.resize_vertically(n + rows.len(), 0.0);
+                out.rows_mut(n, rows.len()).copy_from(&rows);
+                out
+            }
+        }
+    }
+}
+
+/// Appends the prior's rows to whitened columns that belong to these parameters (`None`: not a law parameter).
+pub(crate) fn append_prior(
+    prior: Option<&Prior>,
+    whitened: DMatrix<f64>,
+    parameters: &[Option<usize>],
+) -> DMatrix<f64> {
+    let Some(prior) = prior else { return whitened };
+    let (n, p) = whitened.shape();
+    let extra = prior.values.len();
+    let mut out = whitened.resize_vertically(n + extra, 0.0);
+    for (c, column) in parameters.iter().enumerate().take(p) {
+        if let Some(k) = column.filter(|k| *k < extra) {
+            out.view_mut((n, c), (extra, 1)).copy_from(&prior.root.column(k));
+        }
+    }
+    out
+}
+
+impl Residuals for Problem<'_> {
+    fn residuals(&self, parameters: &[f64]) -> DVector<f64> {
+        let predicted = self.model.predict(&self.bench.experiment, parameters);
+        let r = self.subset.gather(&predicted) - &self.measured;
+        self.with_prior(self.whitener.whiten(&r), parameters)
+    }
+
+    fn jacobian(&self, parameters: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
+        let columns: Vec<usize> = (0..parameters.len()).collect();
+        self.jacobian_columns(parameters, &columns)
+    }
+
+    fn jacobian_columns(
+        &self,
+        parameters: &[f64],
+        columns: &[usize],
+    ) -> (DVector<f64>, DMatrix<f64>) {
+        let (predicted, jacobian) =
+            self.model
+                .predict_with_jacobian(&self.bench.experiment, parameters, Some(columns));
+        let r = self.subset.gather(&predicted) - &self.measured;
+        let r = self.with_prior(self.whitener.whiten(&r), parameters);
+        let owners: Vec<Option<usize>> = columns.iter().map(|&c| Some(c)).collect();
+        let jacobian = self
+            .whitener
+            .whiten_columns(&self.subset.gather_columns(&jacobian));
+        (r, append_prior(self.bench.prior.as_ref(), jacobian, &owners))
+    }
+}
+
+impl<'a> Bench<'a> {
+    /// The model of the law with these effects.
+    pub(crate) fn model(&self, effects: &[usize]) -> Option<Model> {
+        let effects = effects.iter().map(|&i| self.catalogue[i].boxed()).collect();
+        Model::new(self.law, effects, &self.experiment).ok()
+    }
+
+    /// Fits a law with effects from one start. `target` replaces the measured force (stacked, all runs) where a fit to a
+    /// prediction is asked for. `None` where the model cannot be computed.
+    pub(crate) fn fit(
+        &self,
+        subset: &Subset,
+        effects: &[usize],
+        start: &[f64],
+        whitener: &Whitener,
+        target: Option<&[f64]>,
+        limit: u64,
+    ) -> Option<Fitted> {
+        let model = self.model(effects)?;
+        let free = movable(&model, subset, self.samples.runs.len());
+        let (mut lower, mut upper) = (Vec::new(), Vec::new());
+        for (k, spec) in model.parameters().iter().enumerate() {
+            if free[k] {
+                lower.push(spec.lower);
+                upper.push(spec.upper);
+            } else {
+                lower.push(start[k]);
+                upper.push(start[k]);
+            }
+        }
+        let bounds = Bounds::new(lower, upper).ok()?;
+        let problem = Problem {
+            bench: self,
+            subset,
+            model: &model,
+            whitener,
+            measured: subset.gather(target.unwrap_or(&self.experiment.measured_n)),
+        };
+        let options = SolverOptions {
+            reduction_tolerance: 1e-7,
+            step_tolerance: 1e-8,
+            iteration_limit: limit,
+            initial_damping: 1e-4,
+        };
+        let fit = minimise(&problem, start, &bounds, &options).ok()?;
+        if !fit.cost.is_finite() {
+            return None;
+        }
+        let prediction = model.predict(&self.experiment, &fit.parameters);
+        Some(Fitted {
+            effects: effects.to_vec(),
+            prediction,
+            cost: fit.cost,
+            converged: fit.status.converged(),
+            parameters: fit.parameters,
+            model,
+        })
+    }
+
+    /// Sizes to begin with, before any residual is known.
+    pub(crate) fn first_sizes(&self) -> Sizes {
+        let n = self.samples.len() as f64;
+        let rms = (self.samples.force.iter().map(|f| f * f).sum::<f64>() / n).sqrt();
+        let (lo, hi) = self.samples.place.iter().fold(
+            (f64::INFINITY, f64::NEG_INFINITY),
+            |(a, b), &x| (a.min(x), b.max(x)),
+        );
+        Sizes {
+            sensor: self.stated_sensor.unwrap_or(0.0).max(3e-3 * rms).max(1e-12),
+            private: 0.01,
+            plate: 0.0,
+            length: ((hi - lo) / 150.0).max(1e-9),
+            scatter: 0.01,
+        }
+    }
+
+    /// The law alone, from the starts that the record suggests (or from the model file).
+    pub(crate) fn law_fit(&self, subset: &Subset, sizes: &Sizes) -> Option<Fitted> {
+        let scale = self.crude_scale();
+        let context = subset.context(self, &scale);
+        let whitener = Whitener::new(&context, sizes);
+        let model = self.model(&[])?;
+        let starts: Vec<Vec<f64>> = match &self.prior {
+            Some(prior) => vec![prior.values.clone()],
+            None => {
+                let features = identification::features(self.campaign);
+                identification::starts(self.law, &features, self.experiment.height_m, None)
+            }
+        };
+        let fits: Vec<Option<Fitted>> = {
+            use rayon::prelude::*;
+            starts
+                .par_iter()
+                .map(|start| {
+                    let whole = model.at_null(start, &self.experiment);
+                    self.fit(subset, &[], &whole, &whitener, None, 25)
+                })
+                .collect()
+        };
+        let mut best: Option<Fitted> = None;
+        for fit in fits.into_iter().flatten() {
+            if best.as_ref().is_none_or(|b| fit.cost < b.cost * (1.0 - 1e-9)) {
+                best = Some(fit);
+            }
+        }
+        best
+    }
+
+    /// Something like the friction force before any fit: the record, smoothed over a few samples.
+    fn crude_scale(&self) -> Vec<f64> {
+        const HALF: usize = 8;
+        let mut out = vec![0.0; self.samples.len()];
+        for run in &self.samples.runs {
+            for i in run.clone() {
+                let a = i.saturating_sub(HALF).max(run.start);
+                let b = (i + HALF + 1).min(run.end);
+                out[i] = self.samples.force[a..b].iter().sum::<f64>() / (b - a) as f64;
+            }
+        }
+        out
+    }
+
+    /// The noise beneath a fit. `within`: columns (all samples) that may be in the mean as far as runs within are
+    /// concerned.
+    pub(crate) fn noise(
+        &self,
+        subset: &Subset,
+        fitted: &Fitted,
+        jacobian: &DMatrix<f64>,
+        within: &DMatrix<f64>,
+        start: Option<Sizes>,
+    ) -> NoiseModel {
+        let context = subset.context(self, &fitted.prediction);
+        let residual =
+            subset.gather(&self.experiment.measured_n) - subset.gather(&fitted.prediction);
+        estimate(
+            &context,
+            &residual,
+            &subset.gather_columns(jacobian),
+            &subset.gather_columns(within),
+            &EstimateOptions {
+                stated_sensor: self.stated_sensor,
+                repeats: self.repeats,
+                start,
+                uncertainty: false,
+            },
+        )
+    }
+
+    /// Jacobian of a fit, all samples, columns of parameters that the subset can move.
+    pub(crate) fn jacobian(&self, subset: &Subset, fitted: &Fitted) -> (DMatrix<f64>, Vec<usize>) {
+        let free = movable(&fitted.model, subset, self.samples.runs.len());
+        let columns: Vec<usize> = (0..free.len()).filter(|&k| free[k]).collect();
+        let (_, jacobian) = fitted.model.predict_with_jacobian(
+            &self.experiment,
+            &fitted.parameters,
+            Some(&columns),
+        );
+        (jacobian, columns)
+    }
+}
+
+/// A fit with its noise, ready to be asked about further effects.
+pub(crate) struct Stand {
+    pub(crate) fitted: Fitted,
+    pub(crate) sizes: Sizes,
+    /// Whitening without the scatter between runs.
+    pub(crate) whitener: Whitener,
+    /// All samples x movable parameters.
+    pub(crate) jacobian: DMatrix<f64>,
+    /// Parameters of the Jacobian's columns.
+    pub(crate) columns: Vec<usize>,
+    pub(crate) ground: Ground,
+    /// Whitened Jacobian with the prior's rows.
+    pub(crate) white_jacobian: DMatrix<f64>,
+    /// Rows that a prior adds.
+    pub(crate) prior_rows: usize,
+    /// -2 log likelihood, the scatter between runs at its likeliest.
+    pub(crate) deviance: f64,
+}
+
+impl Stand {
+    /// A fit under given sizes of the noise (their scatter is only the fit's; the tests integrate over it).
+    pub(crate) fn new(bench: &Bench<'_>, subset: &Subset, fitted: Fitted, sizes: Sizes) -> Self {
+        let context = subset.context(bench, &fitted.prediction);
+        let inner = Sizes {
+            scatter: 0.0,
+            ..sizes
+        };
+        let whitener = Whitener::new(&context, &inner);
+        let (jacobian, columns) = bench.jacobian(subset, &fitted);
+        let owners: Vec<Option<usize>> = columns.iter().map(|&c| Some(c)).collect();
+        let prior = bench.prior.as_ref();
+        let white_jacobian = append_prior(
+            prior,
+            whitener.whiten_columns(&subset.gather_columns(&jacobian)),
+            &owners,
+        );
+        let gains = gain_matrix(&context);
+        let white_gains = append_prior(prior, whitener.whiten_columns(&gains), &[]);
+        let residual =
+            subset.gather(&bench.experiment.measured_n) - subset.gather(&fitted.prediction);
+        let mut white = whitener.whiten(&residual);
+        let prior_rows = prior.map_or(0, |p| p.values.len());
+        if let Some(prior) = prior {
+            let shift = DVector::from_iterator(
+                prior_rows,
+                prior.values.iter().zip(&fitted.parameters).map(|(v, p)| v - p),
+            );
+            let rows = &prior.root * shift;
+            let n = white.len();
+            white = white.resize_vertically(n + prior_rows, 0.0);
+            white.rows_mut(n, prior_rows).copy_from(&rows);
+        }
+        let deviance = whitener.log_det() + scatter_deviance(&white_gains, &white);
+        let ground = Ground::new(&white_jacobian, &white_gains, &white);
+        Self {
+            fitted,
+            sizes,
+            whitener,
+            jacobian,
+            columns,
+            ground,
+            white_jacobian,
+            prior_rows,
+            deviance,
+        }
+    }
+
+    /// Whitens columns (all samples), with empty rows for a prior.
+    pub(crate) fn whiten(&self, subset: &Subset, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let white = self.whitener.whiten_columns(&subset.gather_columns(columns));
+        let n = white.nrows();
+        white.resize_vertically(n + self.prior_rows, 0.0)
+    }
+}
+
+/// min over s of log det V(s) + r'V(s)^-1 r, V(s) = I + s^2 H H', all whitened: the likelihood with its likeliest scatter.
+pub(crate) fn scatter_deviance(gains: &DMatrix<f64>, residual: &DVector<f64>) -> f64 {
+    let eigen = gains.tr_mul(gains).symmetric_eigen();
+    let turned = eigen.eigenvectors.tr_mul(&gains.tr_mul(residual));
+    let pairs: Vec<(f64, f64)> = eigen
+        .eigenvalues
+        .iter()
+        .zip(turned.iter())
+        .filter(|(l, _)| **l > 0.0)
+        .map(|(l, t)| (*l, *t))
+        .collect();
+    let at = |s2: f64| -> f64 {
+        pairs
+            .iter()
+            .map(|(l, t)| (s2 * l).ln_1p() - s2 * t * t / (1.0 + s2 * l))
+            .sum()
+    };
+    // Scatters from far below to far above anything that a rig shows, in steps of five percent.
+    let best = (0..280)
+        .map(|i| at((1e-6_f64 * 1.05_f64.powi(i)).powi(2)))
+        .fold(0.0, f64::min);
+    residual.norm_squared() + best
+}
+
+/// Gains of runs as columns; for very many runs neighbours share one.
+pub(crate) fn gain_matrix(context: &Context) -> DMatrix<f64> {
+    const MOST: usize = 96;
+    let runs = context.runs.len();
+    let columns = runs.min(MOST);
+    let mut gains = DMatrix::zeros(context.samples(), columns);
+    for (k, run) in context.runs.iter().enumerate() {
+        for i in run.clone() {
+            gains[(i, k * columns / runs)] = context.scale[i];
+        }
+    }
+    gains
+}
