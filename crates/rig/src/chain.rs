@@ -82,10 +82,11 @@ impl<D: ChainScalar> Pass<'_, D> {
             velocity,
         });
         let curve_speed = self.acts(Reach::CurveSpeed).then(|| {
-            let mut speed: Vec<D> = velocity.iter().map(Scalar::magnitude).collect();
+            let mut speed = velocity.clone();
             self.in_place(Reach::CurveSpeed, run, &mut speed, |speed| {
                 Hook::CurveSpeed { speed }
             });
+            speed.iter_mut().for_each(|u| *u = u.magnitude());
             speed
         });
         let rest_gain = self.acts(Reach::RestGain).then(|| {

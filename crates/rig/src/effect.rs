@@ -266,7 +266,8 @@ pub trait Cause: Hooks {
     {
     }
 
-    /// [`Reach::CurveSpeed`]: `speed` holds abs(velocity) and takes the speed that the Stribeck curve sees.
+    /// [`Reach::CurveSpeed`]: `speed` holds the signed velocity and takes the one that the Stribeck curve sees (its
+    /// magnitude is taken afterwards).
     fn curve_speed<D: Scalar>(&self, _p: &[D], _at: Place<'_>, _speed: &mut [D])
     where
         Self: Sized,

@@ -1,0 +1,75 @@
+//! Play: after every reversal of the stage the specimen stays behind until the gap (m) is crossed. A run starts with the play
+//! taken up in the direction of its first motion.
+
+use friction::{ParameterSpec, Scalar};
+use rig::{Cause, Experiment, Place, Reach, Requirement, Station};
+
+use super::grids;
+
+/// Play is crossed after a reversal before force builds.
+#[derive(Clone, Copy, Debug)]
+pub struct Backlash;
+
+const PARAMETERS: &[ParameterSpec] = &[
+    ParameterSpec::new("gap_m", "m", "width of the play", 0.0, 1e9, 1e-4).with_null(0.0),
+];
+
+impl Cause for Backlash {
+    fn id(&self) -> &'static str {
+        "backlash"
+    }
+
+    fn station(&self) -> Station {
+        Station::Coupling
+    }
+
+    fn reach(&self) -> Reach {
+        Reach::Stage
+    }
+
+    fn describe(&self) -> &'static str {
+        "Play is crossed after a reversal before force builds."
+    }
+
+    fn parameters(&self) -> &'static [ParameterSpec] {
+        PARAMETERS
+    }
+
+    fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
+        let travel = experiment.scales.travel_m;
+        vec![grids::bounded(&PARAMETERS[0], 0.0, 0.9 * travel, 0.01 * travel)]
+    }
+
+    fn requirements(&self) -> &'static [Requirement] {
+        &[Requirement::Reversals]
+    }
+
+    fn stage<D: Scalar>(&self, p: &[D], at: Place<'_>, velocity: &mut [D]) {
+        let time = &at.run.time_s;
+        let n = velocity.len();
+        let mut heading = 0.0_f64;
+        let mut slack = D::constant(0.0);
+        for i in 0..n {
+            let v = velocity[i];
+            if v.value() == 0.0 {
+                continue;
+            }
+            let sign = v.value().signum();
+            if heading != 0.0 && sign != heading {
+                slack = p[0] - slack;
+            }
+            heading = sign;
+            // path of this sample's share of the record: the trapezium's weight
+            let before = if i > 0 { time[i] - time[i - 1] } else { 0.0 };
+            let after = if i + 1 < n { time[i + 1] - time[i] } else { 0.0 };
+            let path = v * (sign * 0.5 * (before + after));
+            if slack.value() >= path.value() {
+                slack -= path;
+                velocity[i] = D::constant(0.0);
+            } else {
+                velocity[i] = v * (-(slack / path) + 1.0);
+                slack = D::constant(0.0);
+            }
+        }
+    }
+}

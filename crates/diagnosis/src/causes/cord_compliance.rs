@@ -1,0 +1,66 @@
+//! The elastic cord between specimen and sensor: compliance C (m/N), damping d (N s/m), on it the specimen's mass, taken as
+//! its load over standard gravity (the load is the weight; inferred) or, without a load, the rig's moving mass. The mechanics
+//! stand in [`rig::Coupling`].
+
+use friction::{ParameterSpec, Scalar};
+use rig::{Cause, Coupling, Experiment, Place, Reach, Station};
+use rig::GRAVITY_M_S2;
+
+use super::grids;
+
+/// The cord that holds the specimen stretches, so the slip speed differs from the stage's speed.
+#[derive(Clone, Copy, Debug)]
+pub struct CordCompliance;
+
+const PARAMETERS: &[ParameterSpec] = &[
+    ParameterSpec::new("compliance_m_n", "m/N", "compliance of the cord", 0.0, 1e3, 1e-3).with_null(0.0),
+    ParameterSpec::new("damping_n_s_m", "N s/m", "damping of the cord", 0.0, 1e9, 0.0),
+];
+
+impl Cause for CordCompliance {
+    fn id(&self) -> &'static str {
+        "cord-compliance"
+    }
+
+    fn station(&self) -> Station {
+        Station::Coupling
+    }
+
+    fn reach(&self) -> Reach {
+        Reach::Coupling
+    }
+
+    fn describe(&self) -> &'static str {
+        "The cord that holds the specimen stretches, so the slip speed differs from the stage's speed."
+    }
+
+    fn parameters(&self) -> &'static [ParameterSpec] {
+        PARAMETERS
+    }
+
+    fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
+        // typical: a stretch of a hundredth of the travel at the largest force
+        let scales = &experiment.scales;
+        let soft = scales.travel_m / scales.force_n.max(1e-12);
+        let damping = scales.force_n / scales.speed_m_s;
+        vec![
+            grids::bounded(&PARAMETERS[0], 0.0, soft, 0.01 * soft),
+            grids::bounded(&PARAMETERS[1], 0.0, 10.0 * damping, 0.0),
+        ]
+    }
+
+    fn starts(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+        let typical = self.parameters_for(experiment)[0].typical;
+        [0.03, 0.3, 3.0].iter().map(|share| vec![share * typical, 0.0]).collect()
+    }
+
+    fn coupling<D: Scalar>(&self, p: &[D], at: Place<'_>, coupling: &mut Coupling<D>) {
+        coupling.compliance = p[0];
+        coupling.damping = p[1];
+        let mass = match at.run.nominal_load_n {
+            Some(load) => load / GRAVITY_M_S2,
+            None => at.experiment.moving_mass_kg,
+        };
+        coupling.mass = D::constant(mass);
+    }
+}

@@ -1,0 +1,54 @@
+//! The catalogue of causes: one file each, each a change at one station of the measurement chain.
+//!
+//! A new cause is a file here and one line in the list below.
+
+mod grids;
+mod periodic;
+
+macro_rules! catalogue {
+    ($($module:ident :: $($form:ident),+;)*) => {
+        $(mod $module;)*
+        $($(pub use $module::$form;)+)*
+
+        /// Every cause, in the order of the list; causes with more than one form (memory in time and in distance)
+        /// stand in every form, with the same id.
+        pub fn catalogue() -> Vec<Box<dyn rig::Cause>> {
+            vec![$($(Box::new($form)),+),*]
+        }
+    };
+}
+
+catalogue! {
+    stage_ripple::StageRipple;
+    cord_compliance::CordCompliance;
+    stribeck_shape::StribeckShape;
+    velocity_strengthening::VelocityStrengthening;
+    lean_angle::LeanAngle;
+    bristle_set::BristleSet;
+    wear::Wear;
+    thermal_softening::ThermalSoftening;
+    surface_texture::SurfaceTexture;
+    surface_gradient::SurfaceGradient;
+    load_dependence::LoadDependence;
+    load_oscillation::LoadOscillation;
+    force_zero_offset::ForceZeroOffset;
+    stage_tilt::StageTilt;
+    force_zero_drift::ForceZeroDrift;
+    force_gain::ForceGain;
+    sensor_lag::SensorLag;
+    force_saturation::ForceSaturation;
+    force_resolution::ForceResolution;
+    clock_offset::ClockOffset;
+    direction_asymmetry::DirectionAsymmetry;
+    frictional_memory::MemoryInTime, MemoryInDistance;
+    dwell_ageing::DwellAgeing;
+    backlash::Backlash;
+    velocity_lag::VelocityLag;
+    load_crosstalk::LoadCrosstalk;
+    moving_inertia::MovingInertia;
+}
+
+/// The cause of that id, in its first form.
+pub fn find(id: &str) -> Option<Box<dyn rig::Cause>> {
+    catalogue().into_iter().find(|cause| cause.id() == id)
+}

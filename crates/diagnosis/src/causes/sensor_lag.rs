@@ -1,0 +1,49 @@
+//! First-order low-pass in the force channel: tau F_rec' = F - F_rec, tau in s; the record starts settled.
+
+use friction::{ParameterSpec, Scalar};
+use rig::{Cause, Experiment, Place, Reach, Station};
+
+use super::grids;
+
+/// The force channel is low-pass filtered.
+#[derive(Clone, Copy, Debug)]
+pub struct SensorLag;
+
+const PARAMETERS: &[ParameterSpec] = &[
+    ParameterSpec::new("time_constant_s", "s", "time constant of the filter", 0.0, 1e9, 0.05).with_null(0.0),
+];
+
+impl Cause for SensorLag {
+    fn id(&self) -> &'static str {
+        "sensor-lag"
+    }
+
+    fn station(&self) -> Station {
+        Station::Sensor
+    }
+
+    fn rank(&self) -> u8 {
+        2
+    }
+
+    fn reach(&self) -> Reach {
+        Reach::Record
+    }
+
+    fn describe(&self) -> &'static str {
+        "The force channel is low-pass filtered."
+    }
+
+    fn parameters(&self) -> &'static [ParameterSpec] {
+        PARAMETERS
+    }
+
+    fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
+        let run = grids::duration_s(experiment);
+        vec![grids::bounded(&PARAMETERS[0], 0.0, 0.5 * run, 0.01 * run)]
+    }
+
+    fn record<D: Scalar>(&self, p: &[D], at: Place<'_>, force_n: &mut [D]) {
+        rig::signal::lag(&at.run.time_s, force_n, p[0]);
+    }
+}

@@ -1,0 +1,77 @@
+//! The drive's pitch or cogging: v_true = v (1 + A sin(2 pi x/p + phase)), x the stage coordinate (m), p the pitch (m).
+
+use std::collections::BTreeMap;
+
+use friction::{ParameterSpec, Scalar};
+use rig::{Cause, Experiment, Place, Reach, Reported, Requirement, Station};
+
+use super::{grids, periodic};
+
+/// The true speed of the stage ripples with the pitch of its drive.
+#[derive(Clone, Copy, Debug)]
+pub struct StageRipple;
+
+const PARAMETERS: &[ParameterSpec] = &[
+    periodic::SIN,
+    periodic::COS,
+    ParameterSpec::new("pitch_m", "m", "pitch of the drive", 1e-9, 1e9, 1.0),
+];
+
+impl Cause for StageRipple {
+    fn id(&self) -> &'static str {
+        "stage-ripple"
+    }
+
+    fn station(&self) -> Station {
+        Station::Stage
+    }
+
+    fn reach(&self) -> Reach {
+        Reach::Stage
+    }
+
+    fn describe(&self) -> &'static str {
+        "The true speed of the stage ripples with the pitch of its drive."
+    }
+
+    fn parameters(&self) -> &'static [ParameterSpec] {
+        PARAMETERS
+    }
+
+    fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
+        let (shortest, longest) = grids::wavelengths_m(experiment);
+        let shape = grids::bounded(&PARAMETERS[2], 0.8 * shortest, 2.0 * longest, 0.1 * longest);
+        vec![PARAMETERS[0].clone(), PARAMETERS[1].clone(), shape]
+    }
+
+    fn sizes(&self) -> &'static [usize] {
+        &[0, 1]
+    }
+
+    fn shape_grid(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+        let (shortest, longest) = grids::wavelengths_m(experiment);
+        grids::rates(1.0 / longest, 1.0 / shortest, longest).into_iter().map(|k| vec![0.0, 0.0, 1.0 / k]).collect()
+    }
+
+    fn is_periodic(&self) -> bool {
+        true
+    }
+
+    fn requirements(&self) -> &'static [Requirement] {
+        &[]
+    }
+
+    fn reported(&self, fitted: &[f64]) -> Vec<Reported> {
+        periodic::reported(fitted, "pitch_m", "m")
+    }
+
+    fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
+        periodic::from_reported(reported, "pitch_m")
+    }
+
+    fn stage<D: Scalar>(&self, p: &[D], at: Place<'_>, velocity: &mut [D]) {
+        for (v, &x) in velocity.iter_mut().zip(&at.run.position_m) {
+            *v *= periodic::ripple(p, p[2].recip() * (std::f64::consts::TAU * x));
+        }
+    }
+}

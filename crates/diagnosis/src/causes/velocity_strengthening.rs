@@ -1,0 +1,48 @@
+//! Friction grows faster than linearly with speed: mu (1 + q v^2), q in s^2/m^2. Written as a factor, it means the same
+//! with and without a load.
+
+use friction::{ParameterSpec, Scalar};
+use rig::{Cause, Experiment, Place, Reach, Station};
+
+use super::grids;
+
+/// Friction grows with the square of the speed.
+#[derive(Clone, Copy, Debug)]
+pub struct VelocityStrengthening;
+
+const PARAMETERS: &[ParameterSpec] = &[
+    ParameterSpec::new("quadratic_s2_m2", "s^2/m^2", "quadratic coefficient", -1e9, 1e9, 1.0).with_null(0.0),
+];
+
+impl Cause for VelocityStrengthening {
+    fn id(&self) -> &'static str {
+        "velocity-strengthening"
+    }
+
+    fn station(&self) -> Station {
+        Station::Law
+    }
+
+    fn reach(&self) -> Reach {
+        Reach::Factor
+    }
+
+    fn describe(&self) -> &'static str {
+        "Friction grows with the square of the speed."
+    }
+
+    fn parameters(&self) -> &'static [ParameterSpec] {
+        PARAMETERS
+    }
+
+    fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
+        let square = experiment.scales.speed_m_s.powi(2);
+        vec![grids::bounded(&PARAMETERS[0], -0.9 / square, 100.0 / square, 0.05 / square)]
+    }
+
+    fn factor<D: Scalar>(&self, p: &[D], at: Place<'_>, _friction_n: &[D], factor: &mut [D], _memory: &mut [D]) {
+        for (f, &v) in factor.iter_mut().zip(&at.run.velocity_m_s) {
+            *f *= p[0] * (v * v) + 1.0;
+        }
+    }
+}
