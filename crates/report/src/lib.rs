@@ -20,8 +20,12 @@ mod chain;
 mod claim;
 mod document;
 mod drift;
+mod escape;
 pub mod figure;
+mod mathml;
+mod number;
 mod page;
+mod palette;
 pub mod prose;
 mod section;
 mod table;
@@ -52,14 +56,6 @@ pub enum Error {
     /// Two parts of the page have one id, so a link could not tell them apart.
     #[error("the id `{0}` stands on two parts of the page")]
     DoubledId(String),
-    /// A text links to a part of the page that does not exist.
-    #[error("{place}: there is nothing on the page with the id `{id}`")]
-    BrokenLink {
-        /// Where the link stands.
-        place: String,
-        /// The id as written.
-        id: String,
-    },
     /// An equation that the LaTeX reader refuses.
     #[error("{place}: the equation `{latex}` cannot be read: {why}")]
     Equation {

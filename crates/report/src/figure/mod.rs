@@ -4,6 +4,9 @@
 //! [`Ink`], never by value: the page maps them to a palette that is safe for colour-blind readers and has a light and
 //! a dark form, and every ink comes with its own marker shape and dash pattern.
 
+pub(crate) mod data;
+pub(crate) mod describe;
+pub(crate) mod draw;
 mod drawing;
 mod plot;
 
@@ -17,7 +20,7 @@ pub use plot::{
     Axis, Band, BarGroup, BarPlot, HeatMap, Ink, LinePlot, Mark, Region, Rule, Scale, Series,
 };
 
-use crate::{Evidence, Prose};
+use crate::{Error, Evidence, Prose, palette};
 
 /// A figure card.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -194,4 +197,25 @@ impl From<Animation> for Plot {
     fn from(plot: Animation) -> Self {
         Self::Animation(plot)
     }
+}
+
+/// The rules by which a drawing gets its colours, strokes and fonts.
+pub(crate) const STYLE: &str = include_str!("../../../../report/figure.css");
+
+/// The figure as an SVG file of its own, with everything in view and the light palette.
+///
+/// # Errors
+/// [`Error::Figure`] where there is nothing finite to draw, or lengths differ.
+pub fn svg_file(figure: &Figure) -> Result<String, Error> {
+    let svg = draw::svg(figure, draw::View::Full, &describe::describe(figure))?;
+    Ok(draw::standalone(
+        &svg,
+        &format!("{}{STYLE}", palette::for_file()),
+    ))
+}
+
+/// The data behind the figure as CSV, every number exact; `None` for drawings.
+pub fn csv_file(figure: &Figure) -> Option<String> {
+    let data = data::of(figure);
+    (!data.rows.is_empty()).then(|| data.csv(None))
 }

@@ -14,7 +14,11 @@
 //! A blank line ends a paragraph. A backslash takes the meaning from the next character. Whatever does not come from
 //! the author of the text (names in metadata, file names, messages) goes through [`literal`] first.
 
+mod reader;
+
 use serde::{Deserialize, Serialize};
+
+pub(crate) use reader::Lookup;
 
 /// A text with the mark-up described in this module.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
