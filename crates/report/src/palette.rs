@@ -108,7 +108,7 @@ fn contrast(a: [u8; 3], b: [u8; 3]) -> f64 {
 }
 
 /// Dark and pale words on the cells of maps.
-const ON_PALE: [u8; 3] = [0x10, 0x10, 0x10];
+const ON_PALE: [u8; 3] = [0, 0, 0];
 const ON_DARK: [u8; 3] = [0xff, 0xff, 0xff];
 
 /// Whether words on this level of a map must be pale.
@@ -145,14 +145,14 @@ pub(crate) fn for_page() -> String {
     out + &scales()
 }
 
-/// The variables of a figure in a file of its own: the light form.
-pub(crate) fn for_file() -> String {
+/// The variables of a figure in a file of its own: the light form, with the scales where it is a map.
+pub(crate) fn for_file(map: bool) -> String {
     let mut out = String::from("svg{");
     for (name, light, _) in PAGE.iter().chain(&INKS) {
         let _ = write!(out, "--{name}:{light};");
     }
     out.push('}');
-    out + &scales()
+    if map { out + &scales() } else { out }
 }
 
 #[cfg(test)]

@@ -27,6 +27,7 @@ pub struct Section {
 /// One part of a section.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[allow(clippy::large_enum_variant)] // a page holds a few dozen blocks; plain values are easier to write
 pub enum Block {
     /// A heading inside the section: (id, text).
     Heading(String, String),

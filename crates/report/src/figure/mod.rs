@@ -210,7 +210,10 @@ pub fn svg_file(figure: &Figure) -> Result<String, Error> {
     let svg = draw::svg(figure, draw::View::Full, &describe::describe(figure))?;
     Ok(draw::standalone(
         &svg,
-        &format!("{}{STYLE}", palette::for_file()),
+        &format!(
+            "{}{STYLE}",
+            palette::for_file(matches!(figure.plot, Plot::Heat(_)))
+        ),
     ))
 }
 

@@ -79,14 +79,6 @@ impl Ruler {
             Scale::Log => number.log10(),
         }
     }
-
-    /// The number at a place of the even scale.
-    pub(super) fn uneven(&self, place: f64) -> f64 {
-        match self.scale {
-            Scale::Linear => place,
-            Scale::Log => 10f64.powf(place),
-        }
-    }
 }
 
 impl Ranged for Ruler {
