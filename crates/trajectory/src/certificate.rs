@@ -1,13 +1,18 @@
 //! What is known about the point that a solve returns.
 //!
 //! A point is certified as a strict local minimum when the first-order errors
-//! are below tolerance, the gradients of the active rows and bounds are
-//! independent, and the Hessian of the Lagrangian is positive definite along
-//! the active constraints:
+//! are below tolerance and the Hessian of the Lagrangian is positive definite
+//! along the strongly active constraints (equalities, and limits whose
+//! multiplier is not zero):
 //!
 //! ```text
-//! σ_min(J_A) > 0          λ_min(Zᵀ H Z) > 0,   Z a basis of the null space of J_A
+//! λ_min(Zᵀ H Z) > 0,   Z a basis of the null space of J_A
 //! ```
+//!
+//! This second-order condition is sufficient whether or not the active
+//! gradients are independent (Nocedal and Wright, theorem 12.6). Their smallest
+//! singular value σ_min(J_A) is reported beside it: where it vanishes the
+//! multipliers are not unique and say nothing on their own.
 //!
 //! Both numbers come from the factorisation that the polish uses anyway, by
 //! Lanczos iterations on its inverse; positive definiteness itself is read from
@@ -23,6 +28,10 @@ use nalgebra::{DMatrix, SymmetricEigen};
 
 /// Singular values below this are dependence (scaled rows and variables).
 const INDEPENDENT: f64 = 1e-5;
+/// Curvature below this is flat (scaled).
+const FLAT: f64 = 1e-8;
+/// Multipliers below this do not hold a limit (scaled).
+const WEAK: f64 = 1e-7;
 
 /// The evidence for or against a local minimum. All numbers are scaled.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,8 +75,10 @@ impl Certificate {
     }
 
     /// Is the point a certified strict local minimum for this tolerance?
+    ///
+    /// Curvature must not only be positive but exceed what rounding can feign.
     pub fn holds(&self, tolerance: f64) -> bool {
-        self.error.worst() <= tolerance && self.independent() && self.positive_definite
+        self.error.worst() <= tolerance && self.positive_definite && self.smallest_curvature > FLAT
     }
 }
 
@@ -79,6 +90,7 @@ pub(crate) fn certify(
     active: &ActiveSet,
 ) -> Certificate {
     let s = e.structure();
+    let active = &strongly_active(s, at, active);
     let mut certificate = Certificate::uninformed(at.error(e));
     let n = s.variables();
     let m = s.rows();
@@ -127,6 +139,17 @@ pub(crate) fn certify(
         0.0
     };
     certificate
+}
+
+fn strongly_active(s: &Structure, at: &Iterate, active: &ActiveSet) -> ActiveSet {
+    let rows = (0..s.rows())
+        .map(|r| s.row_lower[r] == s.row_upper[r] || (active.rows[r] && at.y[r].abs() > WEAK));
+    let bounds = (0..s.variables())
+        .map(|v| s.lower[v] == s.upper[v] || (active.bounds[v] && at.z[v].abs() > WEAK));
+    ActiveSet {
+        rows: rows.collect(),
+        bounds: bounds.collect(),
+    }
 }
 
 fn weakest_multiplier(s: &Structure, at: &Iterate, active: &ActiveSet) -> f64 {

@@ -11,10 +11,13 @@
 mod certificate;
 pub mod collocation;
 mod convexify;
+mod damping;
 mod elastic;
+mod estimate;
 mod iterate;
 mod merit;
 mod model;
+mod multistart;
 mod newton;
 mod optimality;
 mod options;
@@ -34,6 +37,7 @@ mod tape;
 
 pub use certificate::Certificate;
 pub use convexify::HessianModel;
+pub use multistart::{Minimum, MultiStart, multistart, scaled_distance, sort_into_minima};
 pub use optimality::OptimalityError;
 pub use options::Options;
 pub use programme::{Block, LinearRow, Programme, ProgrammeError, Row, Variable};

@@ -12,6 +12,7 @@
 //! the inertia: with exactly `n` positive ones the reduced Hessian is positive
 //! definite and the step is a minimiser of the subproblem.
 
+use crate::iterate::Iterate;
 use crate::model::Structure;
 use crate::pattern::{Pattern, max_abs};
 use clarabel::algebra::CscMatrix;
@@ -185,19 +186,22 @@ impl NewtonSystem {
     }
 
     /// Newton's step from `(x, y)` on `active`.
-    #[allow(clippy::too_many_arguments)]
     pub(crate) fn step(
         &mut self,
         s: &Structure,
         hessian: &[f64],
-        gradient: &[f64],
-        jacobian: &[f64],
-        x: &[f64],
-        rows: &[f64],
-        y: &[f64],
+        at: &Iterate,
         active: &ActiveSet,
         limits: &Limits,
     ) -> Option<NewtonStep> {
+        let Iterate {
+            x,
+            rows,
+            gradient,
+            jacobian,
+            y,
+            ..
+        } = at;
         let (n, m) = (s.variables(), s.rows());
         let positive = self.factorise(s, hessian, jacobian, active)?;
         let held: Vec<f64> = (0..n)
@@ -212,7 +216,7 @@ impl NewtonSystem {
         let y: Vec<f64> = (0..m)
             .map(|r| if active.rows[r] { y[r] } else { 0.0 })
             .collect();
-        let mut pull = gradient.to_vec();
+        let mut pull = gradient.clone();
         s.jacobian.add_transposed_product(jacobian, &y, &mut pull);
         s.hessian.add_symmetric_product(hessian, &held, &mut pull);
         let mut moved = vec![0.0; m];
@@ -238,7 +242,7 @@ impl NewtonSystem {
             })
             .collect();
         // z_j = −(g + Hd + Jᵀy)_j where a bound holds the variable.
-        let mut z = gradient.to_vec();
+        let mut z = gradient.clone();
         s.hessian.add_symmetric_product(hessian, &d, &mut z);
         s.jacobian.add_transposed_product(jacobian, &y, &mut z);
         for v in 0..n {

@@ -33,17 +33,9 @@ pub(crate) fn polish(
         if best_error <= FINISHED || !proposer.refresh_hessian(&best, counters) {
             break;
         }
-        let step = proposer.newton.step(
-            s,
-            &proposer.hessian,
-            &best.gradient,
-            &best.jacobian,
-            &best.x,
-            &best.rows,
-            &best.y,
-            &active,
-            &limits,
-        );
+        let step = proposer
+            .newton
+            .step(s, &proposer.hessian, &best, &active, &limits);
         counters.factorisations = proposer.newton.factorisations;
         let Some(step) = step else { break };
         let x: Vec<f64> = best.x.iter().zip(&step.d).map(|(x, d)| x + d).collect();

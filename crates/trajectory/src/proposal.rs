@@ -7,6 +7,7 @@
 //! active set that Clarabel found last, and again on each new one.
 
 use crate::convexify::{self, Convexity};
+use crate::damping::Damping;
 use crate::elastic::{self, ElasticStep};
 use crate::iterate::Iterate;
 use crate::merit;
@@ -16,6 +17,7 @@ use crate::pattern::max_abs;
 use crate::qp::{QpData, QpStep, Subproblem};
 use crate::solution::{Counters, StepKind};
 use crate::{HessianModel, Options, Status};
+use clarabel::solver::SolverStatus;
 
 /// A step with multipliers and the active set it is made for.
 #[derive(Clone, Debug)]
@@ -40,6 +42,7 @@ pub(crate) struct Proposer<'e> {
     groups: Vec<Vec<f64>>,
     pub hessian: Vec<f64>,
     convex: Vec<f64>,
+    pub damping: Damping,
     pub active: Option<ActiveSet>,
     pub convexity: Convexity,
     convex_is_current: bool,
@@ -57,6 +60,7 @@ impl<'e> Proposer<'e> {
             groups: vec![Vec::new(); s.groups.len()],
             hessian: vec![0.0; s.hessian.len()],
             convex: vec![0.0; s.hessian.len()],
+            damping: Damping::default(),
             active: None,
             convexity: Convexity {
                 smallest: f64::NAN,
@@ -119,20 +123,12 @@ impl<'e> Proposer<'e> {
         counters: &mut Counters,
     ) -> Option<Proposal> {
         let s = self.s();
-        let step = self.newton.step(
-            s,
-            &self.hessian,
-            &at.gradient,
-            &at.jacobian,
-            &at.x,
-            &at.rows,
-            &at.y,
-            active,
-            limits,
-        );
+        let step = self.newton.step(s, &self.hessian, at, active, limits);
         counters.factorisations = self.newton.factorisations;
         let step = step.filter(|step| {
-            step.positive_definite && solves_subproblem(s, at, active, limits, step)
+            step.positive_definite
+                && Damping::trusts(max_abs(&step.d))
+                && solves_subproblem(s, at, active, limits, step)
         })?;
         let curvature = s.hessian.quadratic_form(&self.hessian, &step.d);
         Some(Proposal {
@@ -157,20 +153,10 @@ impl<'e> Proposer<'e> {
     ) -> Result<Proposal, Status> {
         self.refresh_convex(at, counters);
         let s = self.s();
-        let data = QpData {
-            hessian: &self.convex,
-            gradient: &at.gradient,
-            jacobian: &at.jacobian,
-            x: &at.x,
-            rows: &at.rows,
-        };
-        counters.subproblems += 1;
-        let solved = self.subproblem.solve(s, &data, tolerance);
-        let step = match solved {
+        let step = match self.damped_step(at, tolerance, counters) {
             Ok(step) => step,
             Err(_) => return self.elastic_step(at, penalty, counters),
         };
-        counters.interior_iterations += step.iterations;
         let active = ActiveSet {
             rows: step.active_rows.clone(),
             bounds: step.active_bounds.clone(),
@@ -185,6 +171,54 @@ impl<'e> Proposer<'e> {
         Ok(self.convex_proposal(StepKind::Subproblem, step, 0.0))
     }
 
+    /// Solves the convex subproblem, with more damping while its step is out of reach.
+    fn damped_step(
+        &mut self,
+        at: &Iterate,
+        tolerance: f64,
+        counters: &mut Counters,
+    ) -> Result<QpStep, SolverStatus> {
+        let s = self.s();
+        let mut last = Err(SolverStatus::Unsolved);
+        for attempt in 0..3 {
+            let hessian = self.damped_hessian();
+            counters.subproblems += 1;
+            last = self
+                .subproblem
+                .solve(s, &QpData::at(at, &hessian, &at.rows), tolerance);
+            match &last {
+                Ok(step) => {
+                    counters.interior_iterations += step.iterations;
+                    let length = max_abs(&step.d);
+                    if Damping::trusts(length) || attempt == 2 {
+                        return last;
+                    }
+                    self.damping.shorten(length, self.options.curvature_floor);
+                }
+                Err(SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible) => {
+                    return last;
+                }
+                Err(_) => {
+                    self.subproblem.reset();
+                    self.damping.stiffen(max_abs(&self.convex));
+                }
+            }
+        }
+        last
+    }
+
+    /// H + δI.
+    fn damped_hessian(&self) -> Vec<f64> {
+        let mut hessian = self.convex.clone();
+        if self.damping.0 > 0.0 {
+            let pattern = &self.s().hessian;
+            for c in 0..pattern.columns {
+                hessian[pattern.starts[c + 1] - 1] += self.damping.0;
+            }
+        }
+        hessian
+    }
+
     /// The step of the elastic subproblem.
     pub(crate) fn elastic_step(
         &mut self,
@@ -194,13 +228,8 @@ impl<'e> Proposer<'e> {
     ) -> Result<Proposal, Status> {
         self.refresh_convex(at, counters);
         let s = self.s();
-        let data = QpData {
-            hessian: &self.convex,
-            gradient: &at.gradient,
-            jacobian: &at.jacobian,
-            x: &at.x,
-            rows: &at.rows,
-        };
+        let hessian = self.damped_hessian();
+        let data = QpData::at(at, &hessian, &at.rows);
         let subproblem = self
             .elastic
             .get_or_insert_with(|| Subproblem::new_elastic(s));
@@ -235,13 +264,8 @@ impl<'e> Proposer<'e> {
     ) -> Option<Proposal> {
         self.refresh_convex(at, counters);
         let s = self.s();
-        let data = QpData {
-            hessian: &self.convex,
-            gradient: &at.gradient,
-            jacobian: &at.jacobian,
-            x: &at.x,
-            rows,
-        };
+        let hessian = self.damped_hessian();
+        let data = QpData::at(at, &hessian, rows);
         counters.subproblems += 1;
         let step = self.subproblem.solve(s, &data, 1e-8).ok()?;
         counters.interior_iterations += step.iterations;
@@ -249,7 +273,10 @@ impl<'e> Proposer<'e> {
     }
 
     fn convex_proposal(&self, kind: StepKind, step: QpStep, penalty: f64) -> Proposal {
-        let curvature = self.s().hessian.quadratic_form(&self.convex, &step.d);
+        let curvature = self
+            .s()
+            .hessian
+            .quadratic_form(&self.damped_hessian(), &step.d);
         Proposal {
             kind,
             d: step.d,

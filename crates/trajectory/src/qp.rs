@@ -16,6 +16,7 @@
 //! exchanged: its symbolic factorisation is reused. The elastic form adds the
 //! columns `t ≥ 0` (see `elastic`).
 
+use crate::iterate::Iterate;
 use crate::model::Structure;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
@@ -38,6 +39,19 @@ pub(crate) struct QpData<'a> {
     pub jacobian: &'a [f64],
     pub x: &'a [f64],
     pub rows: &'a [f64],
+}
+
+impl<'a> QpData<'a> {
+    /// The subproblem at a point, linearised from these row values.
+    pub(crate) fn at(at: &'a Iterate, hessian: &'a [f64], rows: &'a [f64]) -> Self {
+        Self {
+            hessian,
+            gradient: &at.gradient,
+            jacobian: &at.jacobian,
+            x: &at.x,
+            rows,
+        }
+    }
 }
 
 /// The answer to one subproblem.
@@ -204,6 +218,11 @@ impl Subproblem {
         if let Some(elastic) = &mut self.elastic {
             elastic.penalty = penalty;
         }
+    }
+
+    /// Forgets the set-up, so that the next solve scales its data afresh.
+    pub(crate) fn reset(&mut self) {
+        self.solver = None;
     }
 
     /// Solves the subproblem; `Err` carries Clarabel's status when it ended without a solution.

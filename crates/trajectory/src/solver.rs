@@ -6,6 +6,7 @@
 //! the polish takes over; the certificate has the last word on the status.
 
 use crate::certificate::{Certificate, certify};
+use crate::estimate::least_squares_multipliers;
 use crate::iterate::{Iterate, clamp};
 use crate::merit::{self, Merit};
 use crate::model::{Evaluator, Model};
@@ -18,6 +19,8 @@ use crate::{Options, Programme, ProgrammeError, Status, soc};
 
 /// Shortest step that the line search tries.
 const SHORTEST: f64 = 1e-8;
+/// Newton's step and a first subproblem step shorter than this give way to another source.
+const IMPATIENT: f64 = 0.05;
 /// A cost below this is taken for unbounded (scaled).
 const BOTTOMLESS: f64 = -1e15;
 
@@ -92,7 +95,10 @@ impl<'e> Run<'e> {
         if warm {
             proposer.active = Some(active_from_multipliers(e, &y, &z));
         }
-        let at = Iterate::new(e, x, y, z, &mut counters);
+        let mut at = Iterate::new(e, x, y, z, &mut counters);
+        if !warm && at.is_finite() {
+            at.y = least_squares_multipliers(e.structure(), &mut proposer.newton, &at);
+        }
         Self {
             e,
             options,
@@ -152,7 +158,7 @@ impl<'e> Run<'e> {
         let newton = self.options.newton_steps;
         if newton
             && let Some(proposal) = self.proposer.newton_step(&self.at, &mut self.counters)
-            && self.search(&proposal)
+            && self.search(&proposal, IMPATIENT)
         {
             return Ok(());
         }
@@ -165,7 +171,7 @@ impl<'e> Run<'e> {
             tolerance,
             &mut self.counters,
         )?;
-        if self.search(&proposal) {
+        if self.search(&proposal, IMPATIENT) {
             return Ok(());
         }
         if proposal.kind == StepKind::Newton {
@@ -176,26 +182,30 @@ impl<'e> Run<'e> {
                 tolerance,
                 &mut self.counters,
             )?;
-            if self.search(&proposal) {
+            if self.search(&proposal, IMPATIENT) {
                 return Ok(());
             }
         }
-        if proposal.kind != StepKind::Elastic
-            && self.at.violation(self.e) > self.options.feasibility
-        {
-            let price = self.penalty.0;
+        let missed = self.at.violation(self.e) > self.options.feasibility;
+        if missed && proposal.kind != StepKind::Elastic {
+            // Contradicting or nearly dependent rows make long steps with large multipliers; the
+            // elastic subproblem at the present penalty bounds both.
             let elastic = self
                 .proposer
-                .elastic_step(&self.at, price, &mut self.counters)?;
-            if self.search(&elastic) {
+                .elastic_step(&self.at, penalty, &mut self.counters)?;
+            if self.search(&elastic, SHORTEST) {
                 return Ok(());
             }
         }
-        Err(Status::Stalled)
+        if self.search(&proposal, SHORTEST) {
+            Ok(())
+        } else {
+            Err(Status::Stalled)
+        }
     }
 
     /// Backtracks along a proposal; moves and returns true if the merit function accepts.
-    fn search(&mut self, proposal: &Proposal) -> bool {
+    fn search(&mut self, proposal: &Proposal, shortest: f64) -> bool {
         let s = self.e.structure();
         let (slope, model, relief) = model_change(s, &self.at, proposal);
         let before = self.penalty;
@@ -214,7 +224,7 @@ impl<'e> Run<'e> {
         }
         let mut rows = vec![0.0; s.rows()];
         let mut alpha = 1.0;
-        while alpha >= SHORTEST {
+        while alpha >= shortest {
             let x = self.point_at(alpha, &proposal.d);
             let (cost, v) = self.values(&x, &mut rows);
             if merit.accepts(alpha, cost, v) {
@@ -230,6 +240,7 @@ impl<'e> Run<'e> {
             }
             alpha *= 0.5;
         }
+        self.penalty = before;
         false
     }
 
@@ -300,6 +311,7 @@ impl<'e> Run<'e> {
             });
         }
         self.counters.iterations += 1;
+        self.proposer.damping.learn(alpha);
         self.counters.newton_steps += usize::from(kind == StepKind::Newton);
         self.at.x = x;
         for (y, new) in self.at.y.iter_mut().zip(&proposal.y) {

@@ -6,12 +6,10 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Status {
-    /// First- and second-order conditions hold and the active gradients are
-    /// independent: a strict local minimum.
+    /// First- and second-order sufficient conditions hold: a strict local minimum.
     Solved,
-    /// First-order conditions hold, but the certificate does not: curvature
-    /// along the constraints is not positive, or active gradients depend on
-    /// one another.
+    /// First-order conditions hold, but curvature along the active
+    /// constraints is not positive: a saddle, or a minimum that is not strict.
     Uncertified,
     /// The point minimises the violation locally, but the violation is not zero.
     LocallyInfeasible,
@@ -41,8 +39,8 @@ impl fmt::Display for Status {
         f.write_str(match self {
             Self::Solved => "solved: a certified strict local minimum",
             Self::Uncertified => {
-                "first-order conditions hold, but the minimum is not certified: look at the certificate for flat \
-                 directions or redundant constraints"
+                "first-order conditions hold, but the point is not a strict minimum: look for variables that cost \
+                 nothing, or start off the saddle"
             }
             Self::LocallyInfeasible => {
                 "the constraints cannot all be met near this point: start elsewhere, or relax the rows that the \

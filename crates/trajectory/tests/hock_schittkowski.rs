@@ -1,41 +1,41 @@
-//! Problems of Hock and Schittkowski (1981) with the published answers.
+//! Every Hessian model on every problem of the Hock and Schittkowski library.
 
-use trajectory::{Block, Options, Programme, Row, Scalar, Start, Variable, solve};
+mod library;
 
-struct Hs071;
+use library::hock_schittkowski::{HockSchittkowski, NUMBERS};
+use trajectory::{HessianModel, Options, Solution, Start, Status, solve};
 
-impl Programme for Hs071 {
-    fn variables(&self) -> Vec<Variable> {
-        (1..=4)
-            .map(|k| Variable::new(format!("x{k}"), 1.0, 5.0, 1.0))
-            .collect()
-    }
-
-    fn blocks(&self) -> Vec<Block> {
-        vec![Block::new(
-            "hs071",
-            vec![0, 1, 2, 3],
-            vec![
-                Row::between(25.0, f64::INFINITY, 1.0),
-                Row::between(40.0, 40.0, 1.0),
-            ],
-        )]
-    }
-
-    fn evaluate<D: Scalar>(&self, _: usize, x: &[D], cost: &mut D, rows: &mut [D]) {
-        *cost = x[0] * x[3] * (x[0] + x[1] + x[2]) + x[2];
-        rows[0] = x[0] * x[1] * x[2] * x[3];
-        rows[1] = x[0] * x[0] + x[1] * x[1] + x[2] * x[2] + x[3] * x[3];
-    }
+fn run(number: u32, hessian: HessianModel) -> Solution {
+    let problem = HockSchittkowski(number);
+    let options = Options {
+        hessian,
+        ..Options::default()
+    };
+    solve(
+        &problem,
+        &Start::cold(problem.published().start.to_vec()),
+        &options,
+    )
+    .expect("the library is consistent")
 }
 
 #[test]
-fn hs071() {
-    let options = Options {
-        history: true,
-        ..Options::default()
-    };
-    let solution = solve(&Hs071, &Start::cold(vec![1.0, 5.0, 5.0, 1.0]), &options).unwrap();
-    assert!(solution.status.is_solved());
-    assert!((solution.cost - 17.0140173).abs() < 1e-6);
+fn counters() {
+    for hessian in [HessianModel::ExactClip, HessianModel::ExactMirror] {
+        for &number in NUMBERS {
+            let s = run(number, hessian);
+            let p = HockSchittkowski(number).published();
+            println!(
+                "HS{number} {hessian:?} {:?} f {:.9} ({:.9}) {:?} err {:.1e} σ {:.1e} λ {:.1e}",
+                s.status,
+                s.cost,
+                p.minimum,
+                s.counters,
+                s.certificate.error.worst(),
+                s.certificate.smallest_singular_value,
+                s.certificate.smallest_curvature
+            );
+            let _ = Status::Solved;
+        }
+    }
 }

@@ -266,11 +266,9 @@ impl OptimalControl for CartPole {
         _: &mut D,
         rows: &mut [D],
     ) {
-        for k in 0..2 {
-            rows[k] = ends[0].q[k];
-            rows[2 + k] = ends[0].v[k];
-            rows[6 + k] = ends[1].v[k];
-        }
+        rows[..2].copy_from_slice(ends[0].q);
+        rows[2..4].copy_from_slice(ends[0].v);
+        rows[6..].copy_from_slice(ends[1].v);
         rows[4] = ends[1].q[0] - Self::DISTANCE_M;
         rows[5] = ends[1].q[1] - std::f64::consts::PI;
     }

@@ -3,3 +3,5 @@
 #![allow(dead_code, unreachable_pub)]
 
 pub mod control;
+pub mod hock_schittkowski;
+pub mod special;
