@@ -93,7 +93,7 @@ impl Cards<'_> {
                     .zip(&table.columns)
                     .map(|(cell, column)| {
                         Ok(context! {
-                            html => safe(self.cell(cell, &place)?),
+                            html => safe(self.cell(cell, &column.unit, &place)?),
                             align => align(column.align),
                         })
                     })
@@ -174,16 +174,21 @@ impl Cards<'_> {
         }
     }
 
-    fn cell(&self, cell: &Cell, place: &str) -> Result<String, Error> {
+    fn cell(&self, cell: &Cell, column_unit: &str, place: &str) -> Result<String, Error> {
         Ok(match cell {
             Cell::Text(text) => html(text),
             Cell::Prose(prose) => self.lookup.inline(prose, place)?,
             Cell::Number(number) => html(&number::plain(*number)),
             Cell::Digits(number, digits) => html(&number::significant(*number, *digits)),
             Cell::Interval(number, interval) => html(&number::with_interval(*number, *interval)),
-            Cell::Value(id) => self
-                .lookup
-                .inline(&format!("{{{{ ci(\"{id}\") }}}}").into(), place)?,
+            Cell::Value(id) => {
+                // The heading of the column has the unit already.
+                let bare =
+                    number::unit(&self.lookup.value(id, place)?.unit) == number::unit(column_unit);
+                let call = if bare { "ni" } else { "ci" };
+                self.lookup
+                    .inline(&format!("{{{{ {call}(\"{id}\") }}}}").into(), place)?
+            }
             Cell::Verdict(verdict) => format!(
                 "<span class=\"chip v-{}\"><span aria-hidden=\"true\">{}</span> {}</span>",
                 verdict.class(),

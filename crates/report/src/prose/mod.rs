@@ -6,6 +6,7 @@
 //! | `{{ v("envelope.gain.pitch0", 3) }}` | the same to three significant digits |
 //! | `{{ n("envelope.gain.pitch0") }}` | the bare number, without unit (also with digits) |
 //! | `{{ ci("identification.aluminium.sigma0") }}` | value, 95 % interval and unit |
+//! | `{{ ni("identification.aluminium.sigma0") }}` | the same without unit |
 //! | `{{ published("identification.aluminium.sigma0") }}` | the published number as printed |
 //! | `*word*`, `**word**`, `` `word` `` | emphasis, strong, code |
 //! | `$\theta_c/\sigma$` | inline mathematics, LaTeX in, MathML out |

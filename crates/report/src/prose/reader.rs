@@ -200,7 +200,7 @@ impl<'t, 'l, 'v> Reader<'t, 'l, 'v> {
     fn placeholder(&self, call: &str) -> Result<String, Error> {
         let refuse = || {
             self.refuse(format!(
-                "`{call}` is none of v, n, ci, published with an id in quotes"
+                "`{call}` is none of v, n, ci, ni, published with an id in quotes"
             ))
         };
         let (name, rest) = call.split_once('(').ok_or_else(refuse)?;
@@ -222,15 +222,15 @@ impl<'t, 'l, 'v> Reader<'t, 'l, 'v> {
             return Ok("<span class=\"absent\">no result</span>".into());
         };
         let text = match (name, digits, value.ci95) {
-            ("ci", _, Some(interval)) => number::with_interval(bare, interval),
-            ("v" | "n" | "ci", Some(digits), _) => number::significant(bare, digits),
+            ("ci" | "ni", _, Some(interval)) => number::with_interval(bare, interval),
+            ("v" | "n" | "ci" | "ni", Some(digits), _) => number::significant(bare, digits),
             ("v" | "n", None, Some(interval)) => {
                 number::significant(bare, number::digits_of(bare, interval))
             }
-            ("v" | "n" | "ci", None, None) => number::plain(bare),
+            ("v" | "n" | "ci" | "ni", None, None) => number::plain(bare),
             _ => return Err(refuse()),
         };
-        let text = if name == "n" {
+        let text = if matches!(name, "n" | "ni") {
             text
         } else {
             number::with_unit(&text, &value.unit)

@@ -3,9 +3,10 @@
 use super::super::{BarPlot, Mark, Rule, Scale};
 use super::canvas::{Paint, SCALE};
 use super::frame::{Frame, axis_name, left_of};
-use super::lines::{checked, draw_rule};
+use super::lines::{checked, draw_rule, name_rule};
 use super::ruler::{Ruler, limits_of};
 use super::sheet::{Drawn, Sheet, Swatch, legend_height};
+use super::stamp_height;
 
 const HEIGHT: i32 = 360 * SCALE;
 
@@ -47,7 +48,7 @@ pub(super) fn draw(plot: &BarPlot, synthetic: bool, out: &mut String) -> Result<
         .filter(|group| !group.label.is_empty())
         .map(|group| (Swatch::Series(group.ink, Mark::Points), group.label.clone()))
         .collect();
-    let top = legend_height(&entries, left_of(&y));
+    let top = legend_height(&entries, left_of(&y)) + stamp_height(synthetic);
     let sheet = Sheet::new(out, HEIGHT + top);
     paint(plot, &sheet, (x, y), &entries, top, synthetic).map_err(|error| error.to_string())?;
     Ok(HEIGHT + top)
@@ -108,6 +109,7 @@ fn paint(
     sheet.line(&[[left, base], [right, base]], Paint::Axis, 10)?;
     for rule in &plot.rules {
         draw_rule(rule, sheet, &frame)?;
+        name_rule(rule, sheet, &frame)?;
     }
     if synthetic {
         frame.stamp(sheet)?;

@@ -39,8 +39,8 @@ pub(super) enum Paint {
     Grid,
     /// Words.
     Text,
-    /// Words that stand back.
-    Faint,
+    /// Words over the data, with a rim in the colour of the ground.
+    Over,
     /// The ground of the page, such as under labels.
     Ground,
     /// A reference line.
@@ -70,7 +70,7 @@ pub(super) fn paint(paint: Paint) -> RGBColor {
         Paint::Axis => RGBColor(0, 3, 0),
         Paint::Grid => RGBColor(1, 3, 0),
         Paint::Text => RGBColor(2, 3, 0),
-        Paint::Faint => RGBColor(3, 3, 0),
+        Paint::Over => RGBColor(10, 3, 0),
         Paint::Ground => RGBColor(4, 3, 0),
         Paint::Rule => RGBColor(5, 3, 0),
         Paint::Absent => RGBColor(6, 3, 0),
@@ -87,6 +87,7 @@ fn class((index, kind, _): (u8, u8, u8)) -> String {
         0 => format!("i{index}"),
         1 => format!("i{index} n"),
         2 => format!("i{index} w"),
+        3 if index == 10 => "p2 h".into(),
         3 => format!("p{index}"),
         4 => format!("s{index}"),
         _ => format!("d{index}"),

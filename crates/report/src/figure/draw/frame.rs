@@ -150,6 +150,6 @@ impl Frame {
     /// The stamp that no figure of stand-in data goes without.
     pub(super) fn stamp(&self, sheet: &Sheet<'_>) -> Drawn {
         let [_, top, right, _] = self.edges;
-        super::stamp(sheet, [right - 60.0, top + 110.0])
+        super::stamp(sheet, [right, top - 130.0])
     }
 }

@@ -29,7 +29,7 @@ pub(super) fn draw(map: &HeatMap, synthetic: bool, out: &mut String) -> Result<i
     }
     let rows = i32::try_from(map.rows.len()).unwrap_or(i32::MAX);
     let cells = (rows.min(40) * 34 * SCALE).clamp(110 * SCALE, 460 * SCALE);
-    let height = cells + 62 * SCALE;
+    let height = cells + 62 * SCALE + super::stamp_height(synthetic);
     let sheet = Sheet::new(out, height);
     let colours = Colours::of(map)?;
     paint(map, &sheet, &colours, synthetic).map_err(|error| error.to_string())?;
@@ -95,7 +95,13 @@ fn paint(map: &HeatMap, sheet: &Sheet<'_>, colours: &Colours, synthetic: bool) -
         Ruler::categories(&rows),
     );
     let names = (axis_name(&map.x), axis_name(&map.y));
-    let frame = Frame::draw(sheet, rulers, (&names.0, &names.1), (0, SCALE_ROOM), false)?;
+    let frame = Frame::draw(
+        sheet,
+        rulers,
+        (&names.0, &names.1),
+        (super::stamp_height(synthetic), SCALE_ROOM),
+        false,
+    )?;
     #[allow(clippy::cast_precision_loss)] // a handful of cells
     let centre = |row: usize, column: usize| [column as f64, (map.rows.len() - 1 - row) as f64];
     for (row, cells) in map.values.iter().enumerate() {

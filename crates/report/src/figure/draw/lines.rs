@@ -5,6 +5,7 @@ use super::canvas::{FONT, Paint, SCALE};
 use super::frame::{Frame, axis_name, left_of};
 use super::ruler::{Ruler, limits_of};
 use super::sheet::{Anchor, Drawn, Sheet, Swatch, WIDTH, legend_height};
+use super::stamp_height;
 use super::thin::{Place, clip_line, clip_polygon, evenly, thin_line};
 
 /// Height of the frame with its axes.
@@ -22,7 +23,7 @@ pub(super) fn draw(
     let (x, y) = rulers(plot, limits)?;
     let entries = entries(plot);
     let left = left_of(&y);
-    let top = legend_height(&entries, left);
+    let top = legend_height(&entries, left) + stamp_height(synthetic);
     let mut height = HEIGHT + top;
     let (x, y) = if plot.equal_aspect {
         height += 90 * SCALE;
@@ -90,6 +91,9 @@ fn paint(
     for series in &plot.series {
         draw_series(series, sheet, &frame)?;
     }
+    for rule in &plot.rules {
+        name_rule(rule, sheet, &frame)?;
+    }
     for (x, y, text) in &plot.notes {
         let place = frame.place([*x, *y]);
         if frame.holds(place) {
@@ -112,36 +116,51 @@ fn finite(place: &Place) -> bool {
     place.iter().all(|number| number.is_finite())
 }
 
+/// The line of a rule, under the data.
 pub(super) fn draw_rule(rule: &Rule, sheet: &Sheet<'_>, frame: &Frame) -> Drawn {
     let [left, top, right, bottom] = frame.edges;
-    match rule {
-        Rule::Vertical(at, label) => {
-            let x = frame.place([*at, frame.y.limits()[0]])[0];
-            if (left..=right).contains(&x) {
-                sheet.line(&[[x, top], [x, bottom]], Paint::Rule, 12)?;
-                let (place, anchor) = if x > 0.75 * right {
-                    ([x - 40.0, top + 90.0], Anchor::Right)
-                } else {
-                    ([x + 40.0, top + 90.0], Anchor::Left)
-                };
-                sheet.text(label, place, anchor, Paint::Faint, FONT - 10)?;
-            }
-        }
-        Rule::Horizontal(at, label) => {
-            let y = frame.place([frame.x.limits()[0], *at])[1];
-            if (top..=bottom).contains(&y) {
-                sheet.line(&[[left, y], [right, y]], Paint::Rule, 12)?;
-                sheet.text(
-                    label,
-                    [left + 40.0, y - 80.0],
-                    Anchor::Left,
-                    Paint::Faint,
-                    FONT - 10,
-                )?;
-            }
-        }
+    match rule_place(rule, frame) {
+        Some((Rule::Vertical(..), x)) => sheet.line(&[[x, top], [x, bottom]], Paint::Rule, 12),
+        Some((Rule::Horizontal(..), y)) => sheet.line(&[[left, y], [right, y]], Paint::Rule, 12),
+        None => Ok(()),
     }
-    Ok(())
+}
+
+/// The name of a rule, over the data.
+pub(super) fn name_rule(rule: &Rule, sheet: &Sheet<'_>, frame: &Frame) -> Drawn {
+    let [left, top, right, _] = frame.edges;
+    let size = FONT - 10;
+    match rule_place(rule, frame) {
+        Some((Rule::Vertical(_, label), x)) if x > left + 0.75 * (right - left) => sheet.text(
+            label,
+            [x - 40.0, top + 90.0],
+            Anchor::Right,
+            Paint::Over,
+            size,
+        ),
+        Some((Rule::Vertical(_, label), x)) => sheet.text(
+            label,
+            [x + 40.0, top + 90.0],
+            Anchor::Left,
+            Paint::Over,
+            size,
+        ),
+        Some((Rule::Horizontal(_, label), y)) => {
+            let y = if y < top + 170.0 { y + 90.0 } else { y - 80.0 };
+            sheet.text(label, [right - 40.0, y], Anchor::Right, Paint::Over, size)
+        }
+        None => Ok(()),
+    }
+}
+
+/// Where a rule crosses its axis, if that is in view.
+fn rule_place<'r>(rule: &'r Rule, frame: &Frame) -> Option<(&'r Rule, f64)> {
+    let [left, top, right, bottom] = frame.edges;
+    let (place, low, high) = match rule {
+        Rule::Vertical(at, _) => (frame.place([*at, frame.y.limits()[0]])[0], left, right),
+        Rule::Horizontal(at, _) => (frame.place([frame.x.limits()[0], *at])[1], top, bottom),
+    };
+    (low..=high).contains(&place).then_some((rule, place))
 }
 
 fn draw_series(series: &Series, sheet: &Sheet<'_>, frame: &Frame) -> Drawn {

@@ -73,6 +73,11 @@ pub(crate) fn standalone(svg: &str, style: &str) -> String {
     )
 }
 
+/// Room for the stamp above a frame.
+fn stamp_height(synthetic: bool) -> i32 {
+    if synthetic { 190 } else { 0 }
+}
+
 /// The stamp that no figure of stand-in data goes without; its right end is at `at`.
 fn stamp(sheet: &Sheet<'_>, at: [f64; 2]) -> Drawn {
     let text = "SYNTHETIC DATA";

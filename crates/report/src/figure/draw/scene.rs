@@ -1,6 +1,6 @@
 //! Drawings to scale and animations.
 
-use super::super::{Animation, Drawing, Ink, Mark, Shape};
+use super::super::{Animation, Drawing, Ink, Shape};
 use super::canvas::{FONT, Paint, SCALE, text_width};
 use super::sheet::{Anchor, Drawn, Sheet, Swatch, WIDTH, legend_height};
 use super::thin::Place;
@@ -122,7 +122,7 @@ pub(super) fn animate(
 fn entries(legend: &[(Ink, String)]) -> Vec<(Swatch, String)> {
     legend
         .iter()
-        .map(|(ink, name)| (Swatch::Series(*ink, Mark::Line), name.clone()))
+        .map(|(ink, name)| (Swatch::Plain(*ink), name.clone()))
         .collect()
 }
 

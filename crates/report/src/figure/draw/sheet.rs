@@ -33,6 +33,7 @@ pub(super) enum Anchor {
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Swatch {
     Series(Ink, Mark),
+    Plain(Ink),
     Area(Ink),
 }
 
@@ -175,6 +176,9 @@ impl<'a> Sheet<'a> {
                         [x, y + 45.0],
                     ];
                     self.area(&corners, Paint::Wash(*ink))?;
+                }
+                Swatch::Plain(ink) => {
+                    self.line(&[[x, y], [x + 240.0, y]], Paint::Solid(*ink), 26)?
                 }
                 Swatch::Series(ink, mark) => {
                     let middle = [x + 120.0, y];
