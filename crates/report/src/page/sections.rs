@@ -79,7 +79,11 @@ fn contents(document: &Document, limits: bool) -> Vec<Value> {
         "doubts",
         "How this report could be wrong",
     );
-    add(limits, "limits", "What this report does not rest on");
+    add(
+        limits,
+        "limits",
+        "What is synthetic, unpublished or left out",
+    );
     add(
         !document.choices.is_empty(),
         "choices",
