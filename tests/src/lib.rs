@@ -1,1 +1,7 @@
-//! Tests that drive the program as a user does; see the test files beside this package.
+//! Tests that drive the program as a user does; the judge of its diagnoses.
+//!
+//! The judge knows both sides: it lets `planting` hide effects, lets `diagnosis` answer from the written package
+//! alone, and compares. Neither of the two knows the other.
+
+pub mod hidden;
+pub mod proportion;

@@ -138,7 +138,9 @@ pub struct Case {
     pub protocol: Protocol,
     /// Imperfections.
     pub noise: NoiseKind,
-    /// Seed of parameters and noise.
+    /// Seed of the specimen: the law's parameters, and periods, phases and time constants of what is planted.
+    pub specimen: u64,
+    /// Seed of the noise and of the names in the package.
     pub seed: u64,
 }
 
@@ -177,11 +179,13 @@ impl Case {
             base,
             protocol,
             noise,
+            specimen: seed,
             seed,
         }
     }
 
     /// A case with one effect of `size` times the plausible one.
+    /// Its specimen is the one that the seed gives.
     pub fn one(id: &str, size: f64, protocol: Protocol, seed: u64) -> Self {
         Self::nothing(protocol, NoiseKind::Usual, seed).with(id, size, false)
     }
@@ -194,6 +198,13 @@ impl Case {
             size,
             second_shape,
         });
+        self
+    }
+
+    /// The same on another specimen.
+    #[must_use]
+    pub fn of_specimen(mut self, specimen: u64) -> Self {
+        self.specimen = specimen;
         self
     }
 
@@ -210,11 +221,12 @@ impl Case {
     /// If a planted id is unknown.
     pub fn key(&self) -> Result<Key, String> {
         let plan = self.protocol.plan();
-        let mut generator = stream(self.seed, 1);
+        let mut generator = stream(self.specimen, 1);
         let law = draw_law(self.base, &plan, &mut generator);
         let scales = scales(&law, &plan);
         let mut effects = Vec::new();
-        for planted in &self.planted {
+        for (index, planted) in self.planted.iter().enumerate() {
+            let mut generator = stream(self.specimen, 100 + index as u64);
             let effect = draw(
                 &planted.id,
                 planted.size,
@@ -228,29 +240,45 @@ impl Case {
         Ok(Key { law, effects })
     }
 
-    /// Carries the case out.
+    /// The rig of this case with its key's effects, its plan, and its imperfections.
     ///
     /// # Errors
     /// If a planted id is unknown.
-    pub fn carry_out(&self) -> Result<Outcome, String> {
+    pub fn set_up(&self) -> Result<(Rig, Plan, Noise), String> {
         let plan = self.protocol.plan();
         let key = self.key()?;
-        let scales = scales(&key.law, &plan);
+        let build_up_m = scales(&key.law, &plan).build_up_m;
         let noise = self
             .noise
-            .noise(plan.full_scale_n, plan.accuracy_percent, scales.build_up_m);
+            .noise(plan.full_scale_n, plan.accuracy_percent, build_up_m);
         let reference_load_n = plan
             .runs
             .iter()
             .find_map(|run| run.load_n.filter(|load| *load > 0.0))
             .unwrap_or(1.0);
-        let rig = Rig {
-            law: key.law,
-            effects: key.effects.clone(),
-            reference_load_n,
-        };
+        Ok((
+            Rig {
+                law: key.law,
+                effects: key.effects,
+                reference_load_n,
+            },
+            plan,
+            noise,
+        ))
+    }
+
+    /// Carries the case out.
+    ///
+    /// # Errors
+    /// If a planted id is unknown.
+    pub fn carry_out(&self) -> Result<Outcome, String> {
+        let (rig, plan, noise) = self.set_up()?;
         let recordings = run_day(&rig, &plan, &noise, self.seed.wrapping_add(0x9e37_79b9));
         let files = self.neutral_files(&plan, &recordings);
+        let key = Key {
+            law: rig.law,
+            effects: rig.effects,
+        };
         Ok(Outcome {
             key,
             plan,
@@ -367,6 +395,7 @@ fn rotary_scale(plan: &Plan) -> f64 {
 fn scales(law: &Law, plan: &Plan) -> Scales {
     let mut scales = Scales {
         force_n: 0.0,
+        largest_force_n: 0.0,
         speed_m_s: 0.0,
         travel_m: plan.travel_m,
         path_m: 0.0,
@@ -398,7 +427,13 @@ fn scales(law: &Law, plan: &Plan) -> Scales {
         .iter()
         .filter_map(|run| run.load_n.filter(|load| *load > 0.0))
         .fold(f64::INFINITY, f64::min);
-    scales.force_n =
-        law.steady_coefficient(scales.speed_m_s) * if load_n.is_finite() { load_n } else { 1.0 };
+    let heaviest_n = plan
+        .runs
+        .iter()
+        .filter_map(|run| run.load_n)
+        .fold(0.0, f64::max);
+    let steady = law.steady_coefficient(scales.speed_m_s);
+    scales.force_n = steady * if load_n.is_finite() { load_n } else { 1.0 };
+    scales.largest_force_n = steady * if heaviest_n > 0.0 { heaviest_n } else { 1.0 };
     scales
 }

@@ -157,6 +157,55 @@ impl Law {
         }
     }
 
+    /// What a measurement can tell of the law: its parameters without the redundant scale of the bristle's sigma.
+    pub fn free_parameters(&self) -> Vec<f64> {
+        match self {
+            Self::AsymmetricBristle(b) => {
+                let mut free = vec![b.theta_c, b.theta_s, b.w_sc, b.sigma0, b.sigma1, b.sigma2];
+                if b.theta0_rad != 0.0 {
+                    free.push(b.theta0_rad);
+                }
+                free
+            }
+            Self::Lugre(d) => {
+                vec![
+                    d.stiffness,
+                    d.damping,
+                    d.viscous,
+                    d.coulomb,
+                    d.breakaway,
+                    d.stribeck_speed,
+                ]
+            }
+            Self::Dahl(d) => vec![d.coulomb, d.stiffness],
+            Self::Stribeck(d) => vec![d.coulomb, d.breakaway, d.stribeck_speed, d.viscous],
+            Self::CoulombViscous(d) => vec![d.coulomb, d.viscous],
+        }
+    }
+
+    /// The law with its free parameters replaced, in the order of [`Law::free_parameters`].
+    #[must_use]
+    pub fn with_free_parameters(mut self, free: &[f64]) -> Self {
+        match &mut self {
+            Self::AsymmetricBristle(b) => {
+                (b.theta_c, b.theta_s, b.w_sc) = (free[0], free[1], free[2]);
+                (b.sigma0, b.sigma1, b.sigma2) = (free[3], free[4], free[5]);
+                b.theta0_rad = free.get(6).copied().unwrap_or(0.0);
+            }
+            Self::Lugre(d) => {
+                (d.stiffness, d.damping, d.viscous) = (free[0], free[1], free[2]);
+                (d.coulomb, d.breakaway, d.stribeck_speed) = (free[3], free[4], free[5]);
+            }
+            Self::Dahl(d) => (d.coulomb, d.stiffness) = (free[0], free[1]),
+            Self::Stribeck(d) => {
+                (d.coulomb, d.breakaway, d.stribeck_speed, d.viscous) =
+                    (free[0], free[1], free[2], free[3]);
+            }
+            Self::CoulombViscous(d) => (d.coulomb, d.viscous) = (free[0], free[1]),
+        }
+        self
+    }
+
     /// Coefficient after long sliding forward at `v` > 0, by relaxation of the inner state.
     pub fn steady_coefficient(&self, v: f64) -> f64 {
         // The inner state is steady where its rate vanishes: z = g/sigma, reached by a damped fixed-point iteration.

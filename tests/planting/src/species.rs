@@ -62,8 +62,10 @@ pub const SECOND_SHAPES: [&str; 8] = [
 /// Scales of the rig that sizes refer to.
 #[derive(Clone, Copy, Debug)]
 pub struct Scales {
-    /// Largest friction force of a healthy day, N.
+    /// Largest friction force of a healthy day at its lightest load, N.
     pub force_n: f64,
+    /// The same at its heaviest load, N.
+    pub largest_force_n: f64,
     /// Top speed, m/s.
     pub speed_m_s: f64,
     /// Length of the plate, m.
@@ -178,7 +180,7 @@ pub fn draw(
             filter,
         },
         "force-saturation" => Effect::ForceSaturation {
-            level_n: scales.force_n * (1.0 - 0.08 * size).max(0.3),
+            level_n: scales.largest_force_n * (1.0 - 0.08 * size).max(0.3),
         },
         "force-resolution" => Effect::ForceResolution {
             step_n: 0.02 * size * scales.force_n,

@@ -1,0 +1,359 @@
+//! How far a planted effect takes the data from everything that the law alone, or the law with another cause, could
+//! have produced: computed with the planting simulator and the true noise, independently of the diagnosis.
+//!
+//! With W'W = V^-1 for the true noise without scatter, J the derivatives of the record with respect to the law, H one
+//! gain column a run, D the change that the effect makes:
+//!
+//! ```text
+//! d_w^2 = min |W (D - J a - H b)|^2                       within runs: no scatter can imitate it
+//! d_k^2 = min |W (D - J a - H b)|^2 + |b|^2 / scatter^2    scatter known
+//! ```
+//!
+//! What lives between runs, d_k^2 - d_w^2, is judged with a scatter that is itself estimated from the runs: it counts as
+//! the normal deviate with the tail probability of Student's t with the degrees of freedom that the runs leave.
+//! A size has ratio 1 where the total reaches the distance that a test at 1 % over 27 causes finds in 90 % of cases.
+
+use nalgebra::{DMatrix, DVector};
+use planting::effect::Effect;
+use planting::machine::{Recording, Rig, run_day};
+use planting::motion::Motion;
+use planting::plan::{Noise, Plan};
+use planting::species::CAUSES;
+use planting::{Case, NoiseKind, Planted};
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+
+use fitting::noise::{Context, Sizes, Whitener};
+
+/// Distance at which the test that knows the cause has 90 % power at 1 % over 27 causes.
+pub const THRESHOLD: f64 = 4.8;
+/// The same where a period has to be searched for.
+pub const THRESHOLD_PERIODIC: f64 = 6.1;
+/// Distance below which two explanations count as the same.
+pub const INSEPARABLE: f64 = 4.7;
+
+/// Whether a cause has a period that must be searched for.
+pub fn is_periodic(cause: &str) -> bool {
+    matches!(cause, "stage-ripple" | "surface-texture" | "load-oscillation")
+}
+
+/// The point of view of one specimen on one protocol.
+pub struct Oracle {
+    case: Case,
+    law_rig: Rig,
+    plan: Plan,
+    whitener: Whitener,
+    scatter: f64,
+    clean: Vec<f64>,
+    /// Orthonormal basis of the whitened derivatives.
+    basis: DMatrix<f64>,
+    /// Whitened gain columns, law projected out, orthonormal directions times their lengths.
+    gains: DMatrix<f64>,
+    gain_lengths: Vec<f64>,
+    freedom: f64,
+}
+
+/// What a protocol makes of an effect of a given size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sight {
+    /// Distance from the law alone, scatter and its estimation allowed for.
+    pub distance: f64,
+    /// Causes that could have produced the same data, the planted one included.
+    pub forced: Vec<String>,
+}
+
+fn stack(recordings: &[Recording]) -> Vec<f64> {
+    recordings.iter().flat_map(|run| run.force_n.iter().copied()).collect()
+}
+
+/// Orthonormal basis of the columns whose part outside the previous ones is not negligible.
+fn orthonormal(columns: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut kept: Vec<DVector<f64>> = Vec::new();
+    for column in columns.column_iter() {
+        let length = column.norm();
+        let mut free = column.into_owned();
+        // Twice is enough (Kahan, Parlett).
+        for _ in 0..2 {
+            for other in &kept {
+                let share = other.dot(&free);
+                free.axpy(-share, other, 1.0);
+            }
+        }
+        if length > 0.0 && free.norm() > 1e-6 * length {
+            kept.push(free.normalize());
+        }
+    }
+    if kept.is_empty() { DMatrix::zeros(columns.nrows(), 0) } else { DMatrix::from_columns(&kept) }
+}
+
+impl Oracle {
+    /// Looks at the specimen, protocol, law and noise of `case` with nothing planted.
+    ///
+    /// # Errors
+    /// If the case cannot be set up.
+    pub fn new(case: &Case) -> Result<Self, String> {
+        let healthy = Case { planted: Vec::new(), ..case.clone() };
+        let (rig, plan, noise) = healthy.set_up()?;
+        let recordings = run_day(&rig, &plan, &Noise::NONE, 0);
+        let clean = stack(&recordings);
+        let context = context(&plan, &recordings);
+        let sizes = Sizes {
+            sensor: noise.sensor_n,
+            private: noise.roughness * (1.0 - noise.plate_share).sqrt(),
+            plate: noise.roughness * noise.plate_share.sqrt(),
+            length: noise.correlation_m,
+            scatter: 0.0,
+        };
+        let whitener = Whitener::new(&context, &sizes);
+        let derivatives = whitener.whiten_columns(&law_derivatives(&rig, &plan, &clean));
+        let basis = orthonormal(&derivatives);
+        let mut gains = DMatrix::zeros(clean.len(), context.runs.len());
+        for (k, run) in context.runs.iter().enumerate() {
+            for i in run.clone() {
+                gains[(i, k)] = clean[i];
+            }
+        }
+        let gains = whitener.whiten_columns(&gains);
+        let free = &gains - &basis * basis.tr_mul(&gains);
+        let decomposition = free.svd(true, false);
+        let left = decomposition.u.ok_or("no singular vectors")?;
+        let largest = decomposition.singular_values.max();
+        let keep: Vec<usize> =
+            (0..left.ncols()).filter(|k| decomposition.singular_values[*k] > 1e-3 * largest).collect();
+        let gain_lengths = keep.iter().map(|k| decomposition.singular_values[*k]).collect::<Vec<f64>>();
+        let freedom = (keep.len() as f64 - 1.0).max(1.0);
+        Ok(Self {
+            case: healthy,
+            law_rig: rig,
+            plan,
+            whitener,
+            scatter: noise.scatter,
+            clean,
+            basis,
+            gains: left.select_columns(&keep),
+            gain_lengths,
+            freedom,
+        })
+    }
+
+    /// The change that these effects make, whitened, law projected out; relative to what the finder would predict from
+    /// the recorded velocity.
+    fn change(&self, planted: &[Planted]) -> Result<DVector<f64>, String> {
+        let case = Case { planted: planted.to_vec(), ..self.case.clone() };
+        let effects = case.key()?.effects;
+        Ok(self.project(&self.difference(&effects)))
+    }
+
+    fn difference(&self, effects: &[Effect]) -> DVector<f64> {
+        let rig = Rig { effects: effects.to_vec(), ..self.law_rig.clone() };
+        let recordings = run_day(&rig, &self.plan, &Noise::NONE, 0);
+        let force = stack(&recordings);
+        let lagged = effects.iter().any(|effect| matches!(effect, Effect::VelocityLag { .. }));
+        let reference = if lagged { self.predicted_from(&recordings) } else { self.clean.clone() };
+        DVector::from_iterator(force.len(), force.iter().zip(&reference).map(|(a, b)| a - b))
+    }
+
+    /// What the law alone gives for the motions in the velocity channels.
+    fn predicted_from(&self, recordings: &[Recording]) -> Vec<f64> {
+        let mut plan = self.plan.clone();
+        for (run, recording) in plan.runs.iter_mut().zip(recordings) {
+            let points: Vec<(f64, f64)> =
+                recording.time_s.iter().copied().zip(recording.velocity_m_s.iter().copied()).collect();
+            run.motion = Motion::through(&points);
+        }
+        stack(&run_day(&self.law_rig, &plan, &Noise::NONE, 0))
+    }
+
+    fn project(&self, change: &DVector<f64>) -> DVector<f64> {
+        let whitened = self.whitener.whiten(change);
+        &whitened - &self.basis * self.basis.tr_mul(&whitened)
+    }
+
+    /// Distance of a projected change, see the head of this file.
+    fn distance(&self, free: &DVector<f64>) -> f64 {
+        let along = self.gains.tr_mul(free);
+        let within = (free.norm_squared() - along.norm_squared()).max(0.0);
+        // Along a gain direction of length l the noise has variance 1 + (scatter l)^2.
+        let between: f64 = along
+            .iter()
+            .zip(&self.gain_lengths)
+            .map(|(a, l)| a * a / (1.0 + (self.scatter * l).powi(2)))
+            .sum();
+        (within + deviate(between.sqrt(), self.freedom).powi(2)).sqrt()
+    }
+
+    /// Distance of the effects from the law alone, in standard deviations.
+    ///
+    /// # Errors
+    /// If a planted id is unknown.
+    pub fn distance_of(&self, planted: &[Planted]) -> Result<f64, String> {
+        Ok(self.distance(&self.change(planted)?))
+    }
+
+    /// The size at which the effect is `ratio` thresholds away, `None` if no size up to `largest` gets there.
+    ///
+    /// # Errors
+    /// If the id is unknown.
+    pub fn size_at(&self, id: &str, second_shape: bool, ratio: f64, largest: f64) -> Result<Option<f64>, String> {
+        let goal = ratio * if is_periodic(id) { THRESHOLD_PERIODIC } else { THRESHOLD };
+        let at = |size: f64| self.distance_of(&[Planted { id: id.into(), size, second_shape }]);
+        if at(largest)? < goal {
+            return Ok(None);
+        }
+        let (mut low, mut high) = (1e-3_f64, largest);
+        for _ in 0..11 {
+            let middle = (low * high).sqrt();
+            if at(middle)? < goal { low = middle } else { high = middle }
+        }
+        Ok(Some((low * high).sqrt()))
+    }
+
+    /// What the protocol makes of these effects: distance, and the causes that could have made the same data.
+    ///
+    /// # Errors
+    /// If a planted id is unknown.
+    pub fn look(&self, planted: &[Planted], rivals: &Rivals) -> Result<Sight, String> {
+        let change = self.change(planted)?;
+        let own: Vec<&str> = planted.iter().map(|planted| planted.id.as_str()).collect();
+        let mut forced: Vec<String> = own.iter().map(|id| (*id).to_string()).collect();
+        if planted.len() == 1 {
+            for (cause, signatures) in &rivals.signatures {
+                if own.contains(&cause.as_str()) {
+                    continue;
+                }
+                let nearest = signatures
+                    .iter()
+                    .map(|columns| {
+                        let along = columns.tr_mul(&change);
+                        self.distance(&(&change - columns * along))
+                    })
+                    .fold(f64::INFINITY, f64::min);
+                if nearest < INSEPARABLE {
+                    forced.push(cause.clone());
+                }
+            }
+        }
+        forced.sort();
+        Ok(Sight { distance: self.distance(&change), forced })
+    }
+
+    /// Signatures of every cause for several of its periods and time constants.
+    ///
+    /// # Errors
+    /// Never for the known causes.
+    pub fn rivals(&self) -> Result<Rivals, String> {
+        let mut signatures = Vec::new();
+        for cause in CAUSES {
+            // Clipping and rounding are looked for directly; periods are free, so a rival's meets no other by chance.
+            if matches!(cause, "force-saturation" | "force-resolution") || is_periodic(cause) {
+                continue;
+            }
+            let mut shapes = Vec::new();
+            for effect in self.variants(cause)? {
+                let change = self.project(&self.difference(&[effect]));
+                let raw = self.whitener.whiten(&self.difference(&[effect])).norm();
+                // What the law absorbs is no explanation of its own.
+                if change.norm() > 1e-3 * raw && raw > 0.0 {
+                    shapes.push(DMatrix::from_columns(&[change.normalize()]));
+                }
+            }
+            signatures.push((cause.to_string(), shapes));
+        }
+        Ok(Rivals { signatures })
+    }
+
+    /// A cause at small size, over the range of its shape parameters.
+    fn variants(&self, cause: &str) -> Result<Vec<Effect>, String> {
+        let planted = vec![Planted { id: cause.into(), size: 0.2, second_shape: false }];
+        let effect = Case { planted, ..self.case.clone() }.key()?.effects[0];
+        let spread = [0.2, 0.5, 1.0, 2.0, 5.0];
+        Ok(match effect {
+            Effect::Wear { amplitude, distance_m, course } => spread
+                .iter()
+                .map(|factor| Effect::Wear { amplitude, distance_m: distance_m * factor, course })
+                .collect(),
+            Effect::ThermalSoftening { strength_per_j, time_constant_s } => spread
+                .iter()
+                .map(|factor| Effect::ThermalSoftening { strength_per_j, time_constant_s: time_constant_s * factor })
+                .collect(),
+            Effect::BristleSet { angle_rad, .. } => {
+                [0.3, 1.0, 2.0, 4.0].iter().map(|runs| Effect::BristleSet { angle_rad, runs: *runs }).collect()
+            }
+            Effect::CordCompliance { compliance_m_n, damping_n_s_m, .. } => [0.3, 1.0, 3.0]
+                .iter()
+                .map(|factor| Effect::CordCompliance {
+                    compliance_m_n: compliance_m_n * factor,
+                    damping_n_s_m,
+                    hardening_m: None,
+                })
+                .collect(),
+            other => vec![other],
+        })
+    }
+}
+
+/// Unit signatures of the causes, law projected out.
+pub struct Rivals {
+    signatures: Vec<(String, Vec<DMatrix<f64>>)>,
+}
+
+/// The normal deviate with the two-sided tail of Student's t at `t` with `freedom` degrees.
+fn deviate(t: f64, freedom: f64) -> f64 {
+    let (Ok(student), Ok(normal)) = (StudentsT::new(0.0, 1.0, freedom), Normal::new(0.0, 1.0)) else {
+        return t;
+    };
+    let tail = 1.0 - student.cdf(t);
+    // Beyond the reach of double precision nothing is lost by a cap: the effect is plain.
+    if tail < 1e-15 { t.min(8.0) } else { normal.inverse_cdf(1.0 - tail).max(0.0) }
+}
+
+/// Central differences of the record with respect to the law's free parameters.
+fn law_derivatives(rig: &Rig, plan: &Plan, clean: &[f64]) -> DMatrix<f64> {
+    let free = rig.law.free_parameters();
+    let mut derivatives = DMatrix::zeros(clean.len(), free.len());
+    for (column, value) in free.iter().enumerate() {
+        // Step of the cube root of the integration error times the size: error of the slope about 1e-5 of it.
+        let step = 2e-3 * value.abs();
+        let at = |shift: f64| {
+            let mut moved = free.clone();
+            moved[column] += shift;
+            let rig = Rig { law: rig.law.with_free_parameters(&moved), ..rig.clone() };
+            stack(&run_day(&rig, plan, &Noise::NONE, 0))
+        };
+        let (up, down) = (at(step), at(-step));
+        for (i, (u, d)) in up.iter().zip(&down).enumerate() {
+            derivatives[(i, column)] = (u - d) / (2.0 * step);
+        }
+    }
+    derivatives
+}
+
+/// Sliding, place and friction of every sample, as the noise sees them.
+fn context(plan: &Plan, recordings: &[Recording]) -> Context {
+    let (mut runs, mut sliding, mut place, mut scale) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for recording in recordings {
+        let first = sliding.len();
+        let mut slid = 0.0;
+        for i in 0..recording.time_s.len() {
+            if i > 0 {
+                slid += (recording.position_m[i] - recording.position_m[i - 1]).abs();
+            }
+            sliding.push(slid);
+            place.push(recording.position_m[i]);
+            let inertia = plan.moving_mass_kg.unwrap_or(0.0) * slope(recording, i);
+            scale.push(recording.force_n[i] - inertia);
+        }
+        runs.push(first..sliding.len());
+    }
+    Context { runs, sliding, place, scale }
+}
+
+/// dv/dt by differences over the neighbours.
+fn slope(recording: &Recording, i: usize) -> f64 {
+    let (low, high) = (i.saturating_sub(1), (i + 1).min(recording.time_s.len() - 1));
+    (recording.velocity_m_s[high] - recording.velocity_m_s[low]) / (recording.time_s[high] - recording.time_s[low])
+}
+
+/// A case of the usual noise, as the point of view of an oracle.
+pub fn viewpoint(protocol: planting::Protocol, specimen: u64) -> Case {
+    Case::nothing(protocol, NoiseKind::Usual, specimen)
+}
