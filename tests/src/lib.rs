@@ -4,4 +4,5 @@
 //! alone, and compares. Neither of the two knows the other.
 
 pub mod hidden;
+pub mod measured;
 pub mod proportion;

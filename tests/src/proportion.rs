@@ -6,10 +6,19 @@ use statrs::distribution::{Beta, ContinuousCDF};
 ///
 /// Source: Clopper, Pearson, Biometrika 26 (1934) 404-413, by quantiles of the beta distribution.
 pub fn clopper_pearson(hits: usize, trials: usize) -> (f64, f64) {
-    let quantile = |a: f64, b: f64, p: f64| Beta::new(a, b).map_or(f64::NAN, |beta| beta.inverse_cdf(p));
+    let quantile =
+        |a: f64, b: f64, p: f64| Beta::new(a, b).map_or(f64::NAN, |beta| beta.inverse_cdf(p));
     let (k, n) = (hits as f64, trials as f64);
-    let low = if hits == 0 { 0.0 } else { quantile(k, n - k + 1.0, 0.025) };
-    let high = if hits >= trials { 1.0 } else { quantile(k + 1.0, n - k, 0.975) };
+    let low = if hits == 0 {
+        0.0
+    } else {
+        quantile(k, n - k + 1.0, 0.025)
+    };
+    let high = if hits >= trials {
+        1.0
+    } else {
+        quantile(k + 1.0, n - k, 0.975)
+    };
     (low, high)
 }
 

@@ -83,7 +83,11 @@ impl Motion {
         for piece in &self.pieces {
             times.push(piece.t0);
             if piece.v0 * piece.v1 < 0.0 {
-                times.push(piece.t0 + (piece.t1 - piece.t0) * piece.v0 / (piece.v0 - piece.v1));
+                let crossing = piece.t0 + (piece.t1 - piece.t0) * piece.v0 / (piece.v0 - piece.v1);
+                // A crossing within a nanosecond of an end is that end, rounded.
+                if crossing > piece.t0 + 1e-9 && crossing < piece.t1 - 1e-9 {
+                    times.push(crossing);
+                }
             }
         }
         times.push(self.duration_s());

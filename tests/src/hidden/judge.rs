@@ -69,7 +69,13 @@ pub fn named_sets(answer: &Value) -> Vec<Vec<String>> {
                 .iter()
                 .map(|finding| {
                     let mut set = vec![text(&finding["cause"])];
-                    set.extend(finding["equivalent"].as_array().into_iter().flatten().map(text));
+                    set.extend(
+                        finding["equivalent"]
+                            .as_array()
+                            .into_iter()
+                            .flatten()
+                            .map(text),
+                    );
                     set.sort();
                     set.dedup();
                     set
@@ -84,7 +90,12 @@ pub fn named_sets(answer: &Value) -> Vec<Vec<String>> {
 pub fn judge(answer: &Value, key: &Key, forced: &[String]) -> Judgement {
     let status = answer["status"].as_str().unwrap_or_default().to_string();
     let named = named_sets(answer);
-    let truth: Vec<&str> = key.effects.iter().filter(|effect| !effect.is_alien()).map(Effect::id).collect();
+    let truth: Vec<&str> = key
+        .effects
+        .iter()
+        .filter(|effect| !effect.is_alien())
+        .map(Effect::id)
+        .collect();
     let alien = key.effects.iter().any(Effect::is_alien);
     let detected = status == "unexplained";
     let verdict = verdict(&named, &truth, alien, detected, forced);
@@ -94,16 +105,31 @@ pub fn judge(answer: &Value, key: &Key, forced: &[String]) -> Judgement {
         status,
         intervals: intervals(answer, key),
         reported_gain: reported_gain(answer),
-        place_right: key.effects.iter().find_map(|effect| overlaps(effect, &place)),
+        place_right: key
+            .effects
+            .iter()
+            .find_map(|effect| overlaps(effect, &place)),
         place: (!place.is_null()).then_some(place),
         named,
     }
 }
 
-fn verdict(named: &[Vec<String>], truth: &[&str], alien: bool, detected: bool, forced: &[String]) -> Verdict {
+fn verdict(
+    named: &[Vec<String>],
+    truth: &[&str],
+    alien: bool,
+    detected: bool,
+    forced: &[String],
+) -> Verdict {
     let holds = |set: &Vec<String>, id: &str| set.iter().any(|name| name == id);
-    let false_sets = named.iter().filter(|set| !truth.iter().any(|id| holds(set, id))).count();
-    let found = truth.iter().filter(|id| named.iter().any(|set| holds(set, id))).count();
+    let false_sets = named
+        .iter()
+        .filter(|set| !truth.iter().any(|id| holds(set, id)))
+        .count();
+    let found = truth
+        .iter()
+        .filter(|id| named.iter().any(|set| holds(set, id)))
+        .count();
     if alien && truth.is_empty() {
         return match (named.is_empty(), detected) {
             (true, true) => Verdict::Right,
@@ -119,17 +145,29 @@ fn verdict(named: &[Vec<String>], truth: &[&str], alien: bool, detected: bool, f
         };
     }
     if false_sets > 0 {
-        return if found == truth.len() { Verdict::Surplus } else { Verdict::Wrong };
+        return if found == truth.len() {
+            Verdict::Surplus
+        } else {
+            Verdict::Wrong
+        };
     }
     if found == 0 {
-        return if detected { Verdict::Refused } else { Verdict::Missed };
+        return if detected {
+            Verdict::Refused
+        } else {
+            Verdict::Missed
+        };
     }
     if found < truth.len() {
         return Verdict::Partial;
     }
     if truth.len() > 1 {
         // Each planted cause must be a finding of its own.
-        return if named.len() >= truth.len() { Verdict::Right } else { Verdict::Loose };
+        return if named.len() >= truth.len() {
+            Verdict::Right
+        } else {
+            Verdict::Loose
+        };
     }
     let set = &named[0];
     if named.len() > 1 {
@@ -146,18 +184,37 @@ fn verdict(named: &[Vec<String>], truth: &[&str], alien: bool, detected: bool, f
 /// Reported parameters of the truly planted causes against the key (catalogue shapes only).
 fn intervals(answer: &Value, key: &Key) -> Vec<Covered> {
     let mut covered = Vec::new();
-    for effect in key.effects.iter().filter(|effect| effect.has_catalogue_shape()) {
-        let finding = answer["findings"].as_array().into_iter().flatten().find(|f| f["cause"] == effect.id());
+    for effect in key
+        .effects
+        .iter()
+        .filter(|effect| effect.has_catalogue_shape())
+    {
+        let finding = answer["findings"]
+            .as_array()
+            .into_iter()
+            .flatten()
+            .find(|f| f["cause"] == effect.id());
         let Some(finding) = finding else { continue };
         for (name, truth) in effect.sizes() {
-            let parameter = finding["parameters"].as_array().into_iter().flatten().find(|p| p["name"] == name);
+            let parameter = finding["parameters"]
+                .as_array()
+                .into_iter()
+                .flatten()
+                .find(|p| p["name"] == name);
             let Some(parameter) = parameter else { continue };
-            let Some(value) = parameter["value"].as_f64() else { continue };
+            let Some(value) = parameter["value"].as_f64() else {
+                continue;
+            };
             let inside = match (parameter["ci95"][0].as_f64(), parameter["ci95"][1].as_f64()) {
                 (Some(low), Some(high)) => Some(low <= truth && truth <= high),
                 _ => None,
             };
-            covered.push(Covered { parameter: format!("{}.{name}", effect.id()), value, truth, inside });
+            covered.push(Covered {
+                parameter: format!("{}.{name}", effect.id()),
+                value,
+                truth,
+                inside,
+            });
         }
     }
     covered
@@ -173,7 +230,9 @@ fn reported_gain(answer: &Value) -> Option<f64> {
 /// For an alien with a place on the plate or in time: whether the reported interval holds or touches it.
 fn overlaps(effect: &Effect, place: &Value) -> Option<bool> {
     let (axis, low, high, margin) = match *effect {
-        Effect::Scratch { at_m, width_m, .. } => ("position", at_m - 2.0 * width_m, at_m + 2.0 * width_m, 0.01),
+        Effect::Scratch { at_m, width_m, .. } => {
+            ("position", at_m - 2.0 * width_m, at_m + 2.0 * width_m, 0.01)
+        }
         Effect::PlateStep { at_m, .. } => ("position", at_m, at_m, 0.02),
         Effect::StickSlipBurst { from_s, to_s, .. } => ("time", from_s, to_s, 0.5),
         _ => return None,
@@ -190,25 +249,43 @@ mod tests {
     use super::*;
 
     fn sets(names: &[&[&str]]) -> Vec<Vec<String>> {
-        names.iter().map(|set| set.iter().map(|name| (*name).to_string()).collect()).collect()
+        names
+            .iter()
+            .map(|set| set.iter().map(|name| (*name).to_string()).collect())
+            .collect()
     }
 
     #[test]
     fn verdicts() {
         let forced = vec!["wear".to_string(), "thermal-softening".to_string()];
-        let judged = |named: &[&[&str]], detected| verdict(&sets(named), &["wear"], false, detected, &forced);
-        assert_eq!(judged(&[&["thermal-softening", "wear"]], false), Verdict::Right);
+        let judged = |named: &[&[&str]], detected| {
+            verdict(&sets(named), &["wear"], false, detected, &forced)
+        };
+        assert_eq!(
+            judged(&[&["thermal-softening", "wear"]], false),
+            Verdict::Right
+        );
         assert_eq!(judged(&[&["wear"]], false), Verdict::Tight);
-        assert_eq!(judged(&[&["sensor-lag", "thermal-softening", "wear"]], false), Verdict::Loose);
-        assert_eq!(judged(&[&["wear"], &["sensor-lag"]], false), Verdict::Surplus);
+        assert_eq!(
+            judged(&[&["sensor-lag", "thermal-softening", "wear"]], false),
+            Verdict::Loose
+        );
+        assert_eq!(
+            judged(&[&["wear"], &["sensor-lag"]], false),
+            Verdict::Surplus
+        );
         assert_eq!(judged(&[&["sensor-lag"]], false), Verdict::Wrong);
         assert_eq!(judged(&[], true), Verdict::Refused);
         assert_eq!(judged(&[], false), Verdict::Missed);
-        let pair = |named: &[&[&str]]| verdict(&sets(named), &["wear", "sensor-lag"], false, false, &[]);
+        let pair =
+            |named: &[&[&str]]| verdict(&sets(named), &["wear", "sensor-lag"], false, false, &[]);
         assert_eq!(pair(&[&["wear"], &["sensor-lag"]]), Verdict::Right);
         assert_eq!(pair(&[&["sensor-lag", "wear"]]), Verdict::Loose);
         assert_eq!(pair(&[&["wear"]]), Verdict::Partial);
         assert_eq!(verdict(&sets(&[]), &[], true, true, &[]), Verdict::Right);
-        assert_eq!(verdict(&sets(&[&["wear"]]), &[], true, true, &[]), Verdict::Wrong);
+        assert_eq!(
+            verdict(&sets(&[&["wear"]]), &[], true, true, &[]),
+            Verdict::Wrong
+        );
     }
 }

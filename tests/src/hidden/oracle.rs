@@ -20,7 +20,7 @@ use planting::motion::Motion;
 use planting::plan::{Noise, Plan};
 use planting::species::CAUSES;
 use planting::{Case, NoiseKind, Planted};
-use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+use statrs::distribution::{Continuous, ContinuousCDF, Normal, StudentsT};
 
 use fitting::noise::{Context, Sizes, Whitener};
 
@@ -33,7 +33,10 @@ pub const INSEPARABLE: f64 = 4.7;
 
 /// Whether a cause has a period that must be searched for.
 pub fn is_periodic(cause: &str) -> bool {
-    matches!(cause, "stage-ripple" | "surface-texture" | "load-oscillation")
+    matches!(
+        cause,
+        "stage-ripple" | "surface-texture" | "load-oscillation"
+    )
 }
 
 /// The point of view of one specimen on one protocol.
@@ -62,7 +65,10 @@ pub struct Sight {
 }
 
 fn stack(recordings: &[Recording]) -> Vec<f64> {
-    recordings.iter().flat_map(|run| run.force_n.iter().copied()).collect()
+    recordings
+        .iter()
+        .flat_map(|run| run.force_n.iter().copied())
+        .collect()
 }
 
 /// Orthonormal basis of the columns whose part outside the previous ones is not negligible.
@@ -82,7 +88,11 @@ fn orthonormal(columns: &DMatrix<f64>) -> DMatrix<f64> {
             kept.push(free.normalize());
         }
     }
-    if kept.is_empty() { DMatrix::zeros(columns.nrows(), 0) } else { DMatrix::from_columns(&kept) }
+    if kept.is_empty() {
+        DMatrix::zeros(columns.nrows(), 0)
+    } else {
+        DMatrix::from_columns(&kept)
+    }
 }
 
 impl Oracle {
@@ -91,7 +101,10 @@ impl Oracle {
     /// # Errors
     /// If the case cannot be set up.
     pub fn new(case: &Case) -> Result<Self, String> {
-        let healthy = Case { planted: Vec::new(), ..case.clone() };
+        let healthy = Case {
+            planted: Vec::new(),
+            ..case.clone()
+        };
         let (rig, plan, noise) = healthy.set_up()?;
         let recordings = run_day(&rig, &plan, &Noise::NONE, 0);
         let clean = stack(&recordings);
@@ -109,7 +122,7 @@ impl Oracle {
         let mut gains = DMatrix::zeros(clean.len(), context.runs.len());
         for (k, run) in context.runs.iter().enumerate() {
             for i in run.clone() {
-                gains[(i, k)] = clean[i];
+                gains[(i, k)] = context.scale[i];
             }
         }
         let gains = whitener.whiten_columns(&gains);
@@ -117,9 +130,13 @@ impl Oracle {
         let decomposition = free.svd(true, false);
         let left = decomposition.u.ok_or("no singular vectors")?;
         let largest = decomposition.singular_values.max();
-        let keep: Vec<usize> =
-            (0..left.ncols()).filter(|k| decomposition.singular_values[*k] > 1e-3 * largest).collect();
-        let gain_lengths = keep.iter().map(|k| decomposition.singular_values[*k]).collect::<Vec<f64>>();
+        let keep: Vec<usize> = (0..left.ncols())
+            .filter(|k| decomposition.singular_values[*k] > 1e-3 * largest)
+            .collect();
+        let gain_lengths = keep
+            .iter()
+            .map(|k| decomposition.singular_values[*k])
+            .collect::<Vec<f64>>();
         let freedom = (keep.len() as f64 - 1.0).max(1.0);
         Ok(Self {
             case: healthy,
@@ -138,26 +155,45 @@ impl Oracle {
     /// The change that these effects make, whitened, law projected out; relative to what the finder would predict from
     /// the recorded velocity.
     fn change(&self, planted: &[Planted]) -> Result<DVector<f64>, String> {
-        let case = Case { planted: planted.to_vec(), ..self.case.clone() };
+        let case = Case {
+            planted: planted.to_vec(),
+            ..self.case.clone()
+        };
         let effects = case.key()?.effects;
         Ok(self.project(&self.difference(&effects)))
     }
 
     fn difference(&self, effects: &[Effect]) -> DVector<f64> {
-        let rig = Rig { effects: effects.to_vec(), ..self.law_rig.clone() };
+        let rig = Rig {
+            effects: effects.to_vec(),
+            ..self.law_rig.clone()
+        };
         let recordings = run_day(&rig, &self.plan, &Noise::NONE, 0);
         let force = stack(&recordings);
-        let lagged = effects.iter().any(|effect| matches!(effect, Effect::VelocityLag { .. }));
-        let reference = if lagged { self.predicted_from(&recordings) } else { self.clean.clone() };
-        DVector::from_iterator(force.len(), force.iter().zip(&reference).map(|(a, b)| a - b))
+        let lagged = effects
+            .iter()
+            .any(|effect| matches!(effect, Effect::VelocityLag { .. }));
+        let reference = if lagged {
+            self.predicted_from(&recordings)
+        } else {
+            self.clean.clone()
+        };
+        DVector::from_iterator(
+            force.len(),
+            force.iter().zip(&reference).map(|(a, b)| a - b),
+        )
     }
 
     /// What the law alone gives for the motions in the velocity channels.
     fn predicted_from(&self, recordings: &[Recording]) -> Vec<f64> {
         let mut plan = self.plan.clone();
         for (run, recording) in plan.runs.iter_mut().zip(recordings) {
-            let points: Vec<(f64, f64)> =
-                recording.time_s.iter().copied().zip(recording.velocity_m_s.iter().copied()).collect();
+            let points: Vec<(f64, f64)> = recording
+                .time_s
+                .iter()
+                .copied()
+                .zip(recording.velocity_m_s.iter().copied())
+                .collect();
             run.motion = Motion::through(&points);
         }
         stack(&run_day(&self.law_rig, &plan, &Noise::NONE, 0))
@@ -181,6 +217,19 @@ impl Oracle {
         (within + deviate(between.sqrt(), self.freedom).powi(2)).sqrt()
     }
 
+    /// (within, between) parts of a projected change: what scatter cannot imitate, and what it can, scatter known.
+    pub fn parts(&self, planted: &[Planted]) -> Result<(f64, f64), String> {
+        let free = self.change(planted)?;
+        let along = self.gains.tr_mul(&free);
+        let within = (free.norm_squared() - along.norm_squared()).max(0.0).sqrt();
+        let between: f64 = along
+            .iter()
+            .zip(&self.gain_lengths)
+            .map(|(a, l)| a * a / (1.0 + (self.scatter * l).powi(2)))
+            .sum();
+        Ok((within, between.sqrt()))
+    }
+
     /// Distance of the effects from the law alone, in standard deviations.
     ///
     /// # Errors
@@ -189,22 +238,55 @@ impl Oracle {
         Ok(self.distance(&self.change(planted)?))
     }
 
-    /// The size at which the effect is `ratio` thresholds away, `None` if no size up to `largest` gets there.
+    /// The size at which the test that knows the cause finds the effect in 90 % of cases, `None` if the law absorbs
+    /// every size up to `largest`.
     ///
     /// # Errors
     /// If the id is unknown.
-    pub fn size_at(&self, id: &str, second_shape: bool, ratio: f64, largest: f64) -> Result<Option<f64>, String> {
-        let goal = ratio * if is_periodic(id) { THRESHOLD_PERIODIC } else { THRESHOLD };
-        let at = |size: f64| self.distance_of(&[Planted { id: id.into(), size, second_shape }]);
-        if at(largest)? < goal {
-            return Ok(None);
+    pub fn threshold(
+        &self,
+        id: &str,
+        second_shape: bool,
+        largest: f64,
+    ) -> Result<Option<f64>, String> {
+        let goal = if is_periodic(id) {
+            THRESHOLD_PERIODIC
+        } else {
+            THRESHOLD
+        };
+        let at = |size: f64| {
+            self.distance_of(&[Planted {
+                id: id.into(),
+                size,
+                second_shape,
+            }])
+        };
+        let (mut low, mut high) = (0.0, f64::INFINITY);
+        let mut size = 0.1;
+        // Distances grow nearly in proportion to sizes: a secant through the origin, kept between the best bounds.
+        for _ in 0..14 {
+            let distance = at(size)?;
+            if (distance / goal - 1.0).abs() < 0.01 {
+                return Ok(Some(size));
+            }
+            if distance < goal {
+                low = size
+            } else {
+                high = size
+            }
+            let proportional = size * (goal / distance.max(1e-9)).clamp(0.05, 20.0);
+            size = if proportional > low && proportional < high {
+                proportional
+            } else if high.is_finite() {
+                0.5 * (low + high)
+            } else {
+                2.0 * low
+            };
+            if size > largest {
+                return Ok(None);
+            }
         }
-        let (mut low, mut high) = (1e-3_f64, largest);
-        for _ in 0..11 {
-            let middle = (low * high).sqrt();
-            if at(middle)? < goal { low = middle } else { high = middle }
-        }
-        Ok(Some((low * high).sqrt()))
+        Ok(Some(size))
     }
 
     /// What the protocol makes of these effects: distance, and the causes that could have made the same data.
@@ -233,7 +315,10 @@ impl Oracle {
             }
         }
         forced.sort();
-        Ok(Sight { distance: self.distance(&change), forced })
+        Ok(Sight {
+            distance: self.distance(&change),
+            forced,
+        })
     }
 
     /// Signatures of every cause for several of its periods and time constants.
@@ -263,22 +348,53 @@ impl Oracle {
 
     /// A cause at small size, over the range of its shape parameters.
     fn variants(&self, cause: &str) -> Result<Vec<Effect>, String> {
-        let planted = vec![Planted { id: cause.into(), size: 0.2, second_shape: false }];
-        let effect = Case { planted, ..self.case.clone() }.key()?.effects[0];
+        let planted = vec![Planted {
+            id: cause.into(),
+            size: 0.2,
+            second_shape: false,
+        }];
+        let effect = Case {
+            planted,
+            ..self.case.clone()
+        }
+        .key()?
+        .effects[0];
         let spread = [0.2, 0.5, 1.0, 2.0, 5.0];
         Ok(match effect {
-            Effect::Wear { amplitude, distance_m, course } => spread
+            Effect::Wear {
+                amplitude,
+                distance_m,
+                course,
+            } => spread
                 .iter()
-                .map(|factor| Effect::Wear { amplitude, distance_m: distance_m * factor, course })
+                .map(|factor| Effect::Wear {
+                    amplitude,
+                    distance_m: distance_m * factor,
+                    course,
+                })
                 .collect(),
-            Effect::ThermalSoftening { strength_per_j, time_constant_s } => spread
+            Effect::ThermalSoftening {
+                strength_per_j,
+                time_constant_s,
+            } => spread
                 .iter()
-                .map(|factor| Effect::ThermalSoftening { strength_per_j, time_constant_s: time_constant_s * factor })
+                .map(|factor| Effect::ThermalSoftening {
+                    strength_per_j,
+                    time_constant_s: time_constant_s * factor,
+                })
                 .collect(),
-            Effect::BristleSet { angle_rad, .. } => {
-                [0.3, 1.0, 2.0, 4.0].iter().map(|runs| Effect::BristleSet { angle_rad, runs: *runs }).collect()
-            }
-            Effect::CordCompliance { compliance_m_n, damping_n_s_m, .. } => [0.3, 1.0, 3.0]
+            Effect::BristleSet { angle_rad, .. } => [0.3, 1.0, 2.0, 4.0]
+                .iter()
+                .map(|runs| Effect::BristleSet {
+                    angle_rad,
+                    runs: *runs,
+                })
+                .collect(),
+            Effect::CordCompliance {
+                compliance_m_n,
+                damping_n_s_m,
+                ..
+            } => [0.3, 1.0, 3.0]
                 .iter()
                 .map(|factor| Effect::CordCompliance {
                     compliance_m_n: compliance_m_n * factor,
@@ -298,12 +414,17 @@ pub struct Rivals {
 
 /// The normal deviate with the two-sided tail of Student's t at `t` with `freedom` degrees.
 fn deviate(t: f64, freedom: f64) -> f64 {
-    let (Ok(student), Ok(normal)) = (StudentsT::new(0.0, 1.0, freedom), Normal::new(0.0, 1.0)) else {
+    let (Ok(student), Ok(normal)) = (StudentsT::new(0.0, 1.0, freedom), Normal::new(0.0, 1.0))
+    else {
         return t;
     };
     let tail = 1.0 - student.cdf(t);
-    // Beyond the reach of double precision nothing is lost by a cap: the effect is plain.
-    if tail < 1e-15 { t.min(8.0) } else { normal.inverse_cdf(1.0 - tail).max(0.0) }
+    // Far out the tail is t pdf(t)/freedom, and the normal deviate sqrt(-2 log tail) to a few per cent.
+    if tail < 1e-14 {
+        let log_tail = student.ln_pdf(t) + (t / freedom).ln();
+        return t.min((-2.0 * log_tail).sqrt());
+    }
+    normal.inverse_cdf(1.0 - tail).max(0.0)
 }
 
 /// Central differences of the record with respect to the law's free parameters.
@@ -316,7 +437,10 @@ fn law_derivatives(rig: &Rig, plan: &Plan, clean: &[f64]) -> DMatrix<f64> {
         let at = |shift: f64| {
             let mut moved = free.clone();
             moved[column] += shift;
-            let rig = Rig { law: rig.law.with_free_parameters(&moved), ..rig.clone() };
+            let rig = Rig {
+                law: rig.law.with_free_parameters(&moved),
+                ..rig.clone()
+            };
             stack(&run_day(&rig, plan, &Noise::NONE, 0))
         };
         let (up, down) = (at(step), at(-step));
@@ -329,7 +453,8 @@ fn law_derivatives(rig: &Rig, plan: &Plan, clean: &[f64]) -> DMatrix<f64> {
 
 /// Sliding, place and friction of every sample, as the noise sees them.
 fn context(plan: &Plan, recordings: &[Recording]) -> Context {
-    let (mut runs, mut sliding, mut place, mut scale) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let (mut runs, mut sliding, mut place, mut scale) =
+        (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for recording in recordings {
         let first = sliding.len();
         let mut slid = 0.0;
@@ -344,13 +469,19 @@ fn context(plan: &Plan, recordings: &[Recording]) -> Context {
         }
         runs.push(first..sliding.len());
     }
-    Context { runs, sliding, place, scale }
+    Context {
+        runs,
+        sliding,
+        place,
+        scale,
+    }
 }
 
 /// dv/dt by differences over the neighbours.
 fn slope(recording: &Recording, i: usize) -> f64 {
     let (low, high) = (i.saturating_sub(1), (i + 1).min(recording.time_s.len() - 1));
-    (recording.velocity_m_s[high] - recording.velocity_m_s[low]) / (recording.time_s[high] - recording.time_s[low])
+    (recording.velocity_m_s[high] - recording.velocity_m_s[low])
+        / (recording.time_s[high] - recording.time_s[low])
 }
 
 /// A case of the usual noise, as the point of view of an oracle.

@@ -82,17 +82,41 @@ impl Builder {
         let names: Vec<String> = case
             .planted
             .iter()
-            .map(|p| if p.second_shape { format!("{}-2", p.id) } else { p.id.clone() })
+            .map(|p| {
+                if p.second_shape {
+                    format!("{}-2", p.id)
+                } else {
+                    p.id.clone()
+                }
+            })
             .collect();
-        let what = if names.is_empty() { "nothing".to_string() } else { names.join("+") };
-        let id = format!("{seed}:{what}:{}:{}:{ratio}", case.protocol.id(), case.noise.id());
-        self.trials.push(Trial { id, group, case, ratio, without: without.map(Into::into) });
+        let what = if names.is_empty() {
+            "nothing".to_string()
+        } else {
+            names.join("+")
+        };
+        let id = format!(
+            "{seed}:{what}:{}:{}:{ratio}",
+            case.protocol.id(),
+            case.noise.id()
+        );
+        self.trials.push(Trial {
+            id,
+            group,
+            case,
+            ratio,
+            without: without.map(Into::into),
+        });
     }
 }
 
 /// All trials of a season, mixed.
 pub fn trials(season: Season) -> Vec<Trial> {
-    let mut builder = Builder { season, trials: Vec::new(), next_seed: season.first_seed() };
+    let mut builder = Builder {
+        season,
+        trials: Vec::new(),
+        next_seed: season.first_seed(),
+    };
     nothing(&mut builder);
     singles(&mut builder);
     several(&mut builder);
@@ -113,7 +137,12 @@ fn nothing(builder: &mut Builder) {
                 if !protocol.is_brush() && replicate % 4 != 0 {
                     continue;
                 }
-                builder.add(Group::Nothing, Case::nothing(protocol, noise, replicate), 0.0, None);
+                builder.add(
+                    Group::Nothing,
+                    Case::nothing(protocol, noise, replicate),
+                    0.0,
+                    None,
+                );
             }
         }
     }
@@ -122,8 +151,13 @@ fn nothing(builder: &mut Builder) {
 fn singles(builder: &mut Builder) {
     for specimen in 0..SPECIMENS {
         for ratio in [1.0, 1.5, 2.0, 3.0, 5.0, 10.0] {
-            for protocol in [Protocol::PaperBlocked, Protocol::PaperAlternating, Protocol::Rich, Protocol::RichTurned, Protocol::Drive]
-            {
+            for protocol in [
+                Protocol::PaperBlocked,
+                Protocol::PaperAlternating,
+                Protocol::Rich,
+                Protocol::RichTurned,
+                Protocol::Drive,
+            ] {
                 for cause in CAUSES {
                     let case = Case::one(cause, 1.0, protocol, specimen);
                     builder.add(Group::Single, case, ratio, None);
@@ -135,7 +169,8 @@ fn singles(builder: &mut Builder) {
         for protocol in [Protocol::PaperBlocked, Protocol::Rich] {
             for ratio in [2.0, 5.0] {
                 for cause in SECOND_SHAPES {
-                    let case = Case::nothing(protocol, NoiseKind::Usual, specimen).with(cause, 1.0, true);
+                    let case =
+                        Case::nothing(protocol, NoiseKind::Usual, specimen).with(cause, 1.0, true);
                     builder.add(Group::SecondShape, case, ratio, None);
                 }
             }
@@ -145,12 +180,17 @@ fn singles(builder: &mut Builder) {
         (Base::SymmetricBristle, Protocol::Rich),
         (Base::Lugre, Protocol::Speeds),
         (Base::Lugre, Protocol::Rotary),
-        (Base::Stribeck, Protocol::Drive),
+        (Base::Stribeck, Protocol::Rich),
         (Base::Dahl, Protocol::Drive),
-        (Base::CoulombViscous, Protocol::Rotary),
+        (Base::CoulombViscous, Protocol::Speeds),
     ] {
         for cause in CAUSES {
-            builder.add(Group::OtherLaw, Case::one(cause, 1.0, protocol, 0).on(base), 5.0, None);
+            builder.add(
+                Group::OtherLaw,
+                Case::one(cause, 1.0, protocol, 0).on(base),
+                5.0,
+                None,
+            );
         }
     }
 }
@@ -166,26 +206,53 @@ fn several(builder: &mut Builder) {
                 chosen.push(cause);
             }
         }
-        let protocol = if replicate % 2 == 0 { Protocol::Rich } else { Protocol::RichTurned };
+        let protocol = if replicate % 2 == 0 {
+            Protocol::Rich
+        } else {
+            Protocol::RichTurned
+        };
         let mut case = Case::nothing(protocol, NoiseKind::Usual, replicate);
         for cause in chosen {
             case = case.with(cause, 1.0, false);
         }
-        builder.add(if count == 3 { Group::Triple } else { Group::Pair }, case, 5.0, None);
+        builder.add(
+            if count == 3 {
+                Group::Triple
+            } else {
+                Group::Pair
+            },
+            case,
+            5.0,
+            None,
+        );
     }
 }
 
 fn strangers(builder: &mut Builder) {
     for replicate in 0..8 {
         for alien in ALIENS {
-            for protocol in [Protocol::PaperBlocked, Protocol::PaperAlternating, Protocol::Rich] {
-                builder.add(Group::Alien, Case::one(alien, 1.0, protocol, replicate), 5.0, None);
+            for protocol in [
+                Protocol::PaperBlocked,
+                Protocol::PaperAlternating,
+                Protocol::Rich,
+            ] {
+                builder.add(
+                    Group::Alien,
+                    Case::one(alien, 1.0, protocol, replicate),
+                    5.0,
+                    None,
+                );
             }
         }
     }
     for specimen in 0..SPECIMENS {
         for cause in CAUSES {
-            builder.add(Group::Control, Case::one(cause, 1.0, Protocol::Rich, specimen), 5.0, Some(cause));
+            builder.add(
+                Group::Control,
+                Case::one(cause, 1.0, Protocol::Rich, specimen),
+                5.0,
+                Some(cause),
+            );
         }
     }
 }
@@ -202,6 +269,10 @@ mod tests {
         let ids: BTreeSet<&str> = development.iter().map(|trial| trial.id.as_str()).collect();
         assert_eq!(ids.len(), development.len());
         let seeds: BTreeSet<u64> = development.iter().map(|trial| trial.case.seed).collect();
-        assert!(trials(Season::Final).iter().all(|trial| !seeds.contains(&trial.case.seed)));
+        assert!(
+            trials(Season::Final)
+                .iter()
+                .all(|trial| !seeds.contains(&trial.case.seed))
+        );
     }
 }

@@ -33,10 +33,18 @@ fn share(hits: usize, trials: usize) -> Value {
 }
 
 /// Rows of counted trials of some groups.
-fn counted<'a>(all: &'a [Judged], groups: &'a [Group]) -> impl Iterator<Item = (&'a Judged, &'a Judgement)> {
+fn counted<'a>(
+    all: &'a [Judged],
+    groups: &'a [Group],
+) -> impl Iterator<Item = (&'a Judged, &'a Judgement)> {
     all.iter()
         .filter(move |judged| groups.contains(&judged.trial.group))
-        .filter_map(|judged| judged.judgement.as_ref().map(|judgement| (judged, judgement)))
+        .filter_map(|judged| {
+            judged
+                .judgement
+                .as_ref()
+                .map(|judgement| (judged, judgement))
+        })
 }
 
 fn verdict_counts<'a>(rows: impl Iterator<Item = &'a Judgement>) -> Map<String, Value> {
@@ -49,7 +57,10 @@ fn verdict_counts<'a>(rows: impl Iterator<Item = &'a Judgement>) -> Map<String, 
     let mut map = Map::new();
     map.insert("cases".into(), json!(total));
     for (verdict, count) in counts {
-        let name = serde_json::to_value(verdict).ok().and_then(|v| v.as_str().map(String::from)).unwrap_or_default();
+        let name = serde_json::to_value(verdict)
+            .ok()
+            .and_then(|v| v.as_str().map(String::from))
+            .unwrap_or_default();
         map.insert(name, json!(count));
     }
     map
@@ -59,7 +70,10 @@ fn nothing(all: &[Judged]) -> Value {
     let mut by_kind: BTreeMap<(String, String), (usize, usize, usize)> = BTreeMap::new();
     let mut total = (0, 0, 0);
     for (judged, judgement) in counted(all, &[Group::Nothing]) {
-        let key = (judged.trial.case.noise.id().to_string(), judged.trial.case.protocol.id().to_string());
+        let key = (
+            judged.trial.case.noise.id().to_string(),
+            judged.trial.case.protocol.id().to_string(),
+        );
         for entry in [by_kind.entry(key).or_default(), &mut total] {
             entry.0 += 1;
             entry.1 += usize::from(!judgement.named.is_empty());
@@ -76,24 +90,38 @@ fn nothing(all: &[Judged]) -> Value {
 }
 
 fn singles(all: &[Judged], groups: &[Group]) -> Value {
-    let mut by_key: BTreeMap<(String, String, String), Vec<(&Judged, &Judgement)>> = BTreeMap::new();
+    let mut by_key: BTreeMap<(String, String, String), Vec<(&Judged, &Judgement)>> =
+        BTreeMap::new();
     for (judged, judgement) in counted(all, groups) {
         let planted = &judged.trial.case.planted[0];
-        let key = (planted.id.clone(), judged.trial.case.protocol.id().to_string(), format!("{:05.1}", judged.trial.ratio));
+        let key = (
+            planted.id.clone(),
+            judged.trial.case.protocol.id().to_string(),
+            format!("{:05.1}", judged.trial.ratio),
+        );
         by_key.entry(key).or_default().push((judged, judgement));
     }
     let rows: Vec<Value> = by_key
         .into_iter()
         .map(|((cause, protocol, ratio), rows)| {
             let mut row = verdict_counts(rows.iter().map(|(_, judgement)| *judgement));
-            let sizes: Vec<usize> = rows.iter().flat_map(|(_, j)| j.named.first().map(Vec::len)).collect();
+            let sizes: Vec<usize> = rows
+                .iter()
+                .flat_map(|(_, j)| j.named.first().map(Vec::len))
+                .collect();
             let forced: usize = rows.iter().map(|(judged, _)| judged.forced.len()).sum();
             row.insert("cause".into(), json!(cause));
             row.insert("protocol".into(), json!(protocol));
             row.insert("ratio".into(), json!(ratio.parse::<f64>().ok()));
-            row.insert("mean_forced_set".into(), json!(forced as f64 / rows.len() as f64));
+            row.insert(
+                "mean_forced_set".into(),
+                json!(forced as f64 / rows.len() as f64),
+            );
             if !sizes.is_empty() {
-                row.insert("mean_named_set".into(), json!(sizes.iter().sum::<usize>() as f64 / sizes.len() as f64));
+                row.insert(
+                    "mean_named_set".into(),
+                    json!(sizes.iter().sum::<usize>() as f64 / sizes.len() as f64),
+                );
             }
             Value::Object(row)
         })
@@ -105,12 +133,16 @@ fn singles(all: &[Judged], groups: &[Group]) -> Value {
 fn power(all: &[Judged]) -> Value {
     let mut by_ratio: BTreeMap<String, Vec<&Judgement>> = BTreeMap::new();
     for (judged, judgement) in counted(all, &[Group::Single]) {
-        by_ratio.entry(format!("{:05.1}", judged.trial.ratio)).or_default().push(judgement);
+        by_ratio
+            .entry(format!("{:05.1}", judged.trial.ratio))
+            .or_default()
+            .push(judgement);
     }
     let rows: Vec<Value> = by_ratio
         .into_iter()
         .map(|(ratio, rows)| {
-            let count = |accept: &[Verdict]| rows.iter().filter(|j| accept.contains(&j.verdict)).count();
+            let count =
+                |accept: &[Verdict]| rows.iter().filter(|j| accept.contains(&j.verdict)).count();
             let detected = rows.iter().filter(|j| j.verdict != Verdict::Missed).count();
             json!({
                 "ratio": ratio.parse::<f64>().ok(),
@@ -130,8 +162,21 @@ fn power(all: &[Judged]) -> Value {
 /// How often each truth was answered by each first name.
 fn confusion(all: &[Judged]) -> Value {
     let mut matrix: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();
-    for (judged, judgement) in counted(all, &[Group::Nothing, Group::Single, Group::SecondShape, Group::Alien]) {
-        let truth = judged.trial.case.planted.first().map_or("nothing".to_string(), |planted| planted.id.clone());
+    for (judged, judgement) in counted(
+        all,
+        &[
+            Group::Nothing,
+            Group::Single,
+            Group::SecondShape,
+            Group::Alien,
+        ],
+    ) {
+        let truth = judged
+            .trial
+            .case
+            .planted
+            .first()
+            .map_or("nothing".to_string(), |planted| planted.id.clone());
         let row = matrix.entry(truth.clone()).or_default();
         // A set counts for the truth if it holds it, else for its first member.
         let answer = match judgement.named.first() {
@@ -172,35 +217,53 @@ fn gains(all: &[Judged]) -> Value {
     let pairs: Vec<(f64, f64)> = counted(all, &[Group::Single, Group::Pair, Group::SecondShape])
         .filter_map(|(judged, judgement)| Some((judgement.reported_gain?, judged.true_gain?)))
         .collect();
-    let within = pairs.iter().filter(|(reported, truth)| (reported - truth).abs() <= 0.1).count();
+    let within = pairs
+        .iter()
+        .filter(|(reported, truth)| (reported - truth).abs() <= 0.1)
+        .count();
     json!({"within_0.1": share(within, pairs.len())})
 }
 
 fn places(all: &[Judged]) -> Value {
-    let answers: Vec<bool> =
-        counted(all, &[Group::Alien]).filter_map(|(_, judgement)| judgement.place_right).collect();
-    share(answers.iter().filter(|right| **right).count(), answers.len())
+    let answers: Vec<bool> = counted(all, &[Group::Alien])
+        .filter_map(|(_, judgement)| judgement.place_right)
+        .collect();
+    share(
+        answers.iter().filter(|right| **right).count(),
+        answers.len(),
+    )
 }
 
 /// The table.
 pub fn table(season: Season, identity: &str, all: &[Judged]) -> Value {
     let group = |groups: &[Group]| {
-        let rows: Vec<&Judgement> = counted(all, groups).map(|(_, judgement)| judgement).collect();
+        let rows: Vec<&Judgement> = counted(all, groups)
+            .map(|(_, judgement)| judgement)
+            .collect();
         Value::Object(verdict_counts(rows.into_iter()))
     };
-    let absorbed: BTreeMap<String, Vec<String>> = all.iter().filter(|judged| judged.judgement.is_none()).fold(
-        BTreeMap::new(),
-        |mut map, judged| {
-            let protocols: &mut Vec<String> =
-                map.entry(judged.trial.case.planted.first().map(|p| p.id.clone()).unwrap_or_default()).or_default();
+    let absorbed: BTreeMap<String, Vec<String>> = all
+        .iter()
+        .filter(|judged| judged.judgement.is_none())
+        .fold(BTreeMap::new(), |mut map, judged| {
+            let protocols: &mut Vec<String> = map
+                .entry(
+                    judged
+                        .trial
+                        .case
+                        .planted
+                        .first()
+                        .map(|p| p.id.clone())
+                        .unwrap_or_default(),
+                )
+                .or_default();
             let id = judged.trial.case.protocol.id().to_string();
             if !protocols.contains(&id) {
                 protocols.push(id);
                 protocols.sort();
             }
             map
-        },
-    );
+        });
     json!({
         "schema": "bristle/hidden-effects/1",
         "season": season,
