@@ -223,7 +223,14 @@ impl Case {
         let plan = self.protocol.plan();
         let mut generator = stream(self.specimen, 1);
         let law = draw_law(self.base, &plan, &mut generator);
-        let scales = scales(&law, &plan);
+        let mut scales = scales(&law, &plan);
+        if self
+            .planted
+            .iter()
+            .any(|planted| planted.id == "force-saturation")
+        {
+            scales.largest_force_n = peak_force(law, &plan);
+        }
         let mut effects = Vec::new();
         for (index, planted) in self.planted.iter().enumerate() {
             let mut generator = stream(self.specimen, 100 + index as u64);
@@ -251,11 +258,7 @@ impl Case {
         let noise = self
             .noise
             .noise(plan.full_scale_n, plan.accuracy_percent, build_up_m);
-        let reference_load_n = plan
-            .runs
-            .iter()
-            .find_map(|run| run.load_n.filter(|load| *load > 0.0))
-            .unwrap_or(1.0);
+        let reference_load_n = reference_load(&plan);
         Ok((
             Rig {
                 law: key.law,
@@ -427,13 +430,30 @@ fn scales(law: &Law, plan: &Plan) -> Scales {
         .iter()
         .filter_map(|run| run.load_n.filter(|load| *load > 0.0))
         .fold(f64::INFINITY, f64::min);
-    let heaviest_n = plan
-        .runs
-        .iter()
-        .filter_map(|run| run.load_n)
-        .fold(0.0, f64::max);
     let steady = law.steady_coefficient(scales.speed_m_s);
     scales.force_n = steady * if load_n.is_finite() { load_n } else { 1.0 };
-    scales.largest_force_n = steady * if heaviest_n > 0.0 { heaviest_n } else { 1.0 };
+    scales.largest_force_n = scales.force_n;
     scales
+}
+
+/// Largest reading of the healthy day without noise, N: what an amplifier must not clip.
+fn peak_force(law: Law, plan: &Plan) -> f64 {
+    let reference_load_n = reference_load(plan);
+    let rig = Rig {
+        law,
+        effects: Vec::new(),
+        reference_load_n,
+    };
+    let day = run_day(&rig, plan, &Noise::NONE, 0);
+    day.iter()
+        .flat_map(|run| &run.force_n)
+        .fold(0.0, |peak, force| peak.max(force.abs()))
+}
+
+/// Load at which the law's coefficients hold: that of the first loaded run, N.
+fn reference_load(plan: &Plan) -> f64 {
+    plan.runs
+        .iter()
+        .find_map(|run| run.load_n.filter(|load| *load > 0.0))
+        .unwrap_or(1.0)
 }

@@ -99,6 +99,8 @@ pub(crate) struct Contact<'a> {
     pub(crate) index: usize,
     pub(crate) rocking: Rocking,
     pub(crate) load_n: f64,
+    /// Rest before the run, s.
+    pub(crate) rest_s: f64,
     /// Moving mass that the experimenter knows, kg.
     pub(crate) known_mass_kg: f64,
     /// Half the time between samples, s: over it the stage changes its acceleration.
@@ -117,7 +119,8 @@ pub(crate) struct Instant {
 }
 
 impl Contact<'_> {
-    /// Factor of the drive's ripple on the commanded speed.
+    /// Factor of the drive's ripple on the commanded speed; `stage_m` counts from the start of the run, the ripple from
+    /// the drive's own zero.
     fn ripple(&self, stage_m: f64) -> f64 {
         let mut factor = 1.0;
         for effect in &self.rig.effects {
@@ -128,8 +131,11 @@ impl Contact<'_> {
                 wave,
             } = effect
             {
-                factor +=
-                    amplitude * wave.at(std::f64::consts::TAU * stage_m / pitch_m + phase_rad);
+                factor += amplitude
+                    * wave.at(
+                        std::f64::consts::TAU * (self.plan.start_position_m + stage_m) / pitch_m
+                            + phase_rad,
+                    );
             }
         }
         factor
@@ -161,11 +167,8 @@ impl Contact<'_> {
                         (1.0 + coulomb_ratio_minus_1, 1.0 + viscous_ratio_minus_1);
                 }
                 Effect::DwellAgeing { per_decade } => {
-                    // Decades of rest over one second; before the first run the specimen rested as before any other.
-                    let rest_s = self
-                        .history
-                        .ended_s
-                        .map_or(1.0, |end| (self.plan.started_s - end).max(1.0));
+                    // Decades of rest over one second.
+                    let rest_s = self.rest_s.max(1.0);
                     around.breakaway_factor *= 1.0 + per_decade * rest_s.log10();
                 }
                 _ => {}

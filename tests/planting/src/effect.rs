@@ -237,6 +237,16 @@ impl Effect {
         }
     }
 
+    /// Phase of a periodic effect, rad.
+    pub fn phase_rad(&self) -> Option<f64> {
+        match *self {
+            Self::StageRipple { phase_rad, .. }
+            | Self::SurfaceTexture { phase_rad, .. }
+            | Self::LoadOscillation { phase_rad, .. } => Some(phase_rad),
+            _ => None,
+        }
+    }
+
     /// Size parameters under the catalogue's names, for the coverage of reported intervals.
     pub fn sizes(&self) -> Vec<(&'static str, f64)> {
         match *self {

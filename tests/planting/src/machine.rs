@@ -134,6 +134,7 @@ fn record_run(
         index,
         rocking: rocking(rig, run, index, seed, purpose + 4),
         load_n: run.load_n.unwrap_or(1.0),
+        rest_s: rest_before_s(plan, index),
         known_mass_kg: plan.moving_mass_kg.unwrap_or(0.0),
         half_sample_s: 0.5 / plan.sample_rate_hz,
         inside_s: 0.0,
@@ -142,6 +143,22 @@ fn record_run(
     bend_after(rig, run, history);
     spoil_reading(rig, noise, &mut recording.force_n, seed, purpose + 5);
     recording
+}
+
+/// Rest before a run, s; before the first run the specimen rested as long as it usually does between runs.
+fn rest_before_s(plan: &Plan, index: usize) -> f64 {
+    let mut rests: Vec<f64> = plan
+        .runs
+        .windows(2)
+        .map(|pair| pair[1].started_s - pair[0].started_s - pair[0].motion.duration_s())
+        .collect();
+    match index {
+        0 => {
+            rests.sort_by(f64::total_cmp);
+            rests.get(rests.len() / 2).copied().unwrap_or(1.0)
+        }
+        _ => rests[index - 1],
+    }
 }
 
 fn debris_field(rig: &Rig, path_m: f64, seed: u64, purpose: u64) -> Field {

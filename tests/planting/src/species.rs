@@ -64,7 +64,7 @@ pub const SECOND_SHAPES: [&str; 8] = [
 pub struct Scales {
     /// Largest friction force of a healthy day at its lightest load, N.
     pub force_n: f64,
-    /// The same at its heaviest load, N.
+    /// Largest reading of the healthy day, N (only computed where something clips).
     pub largest_force_n: f64,
     /// Top speed, m/s.
     pub speed_m_s: f64,
