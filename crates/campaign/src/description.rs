@@ -117,7 +117,7 @@ pub(crate) fn describe(file: &str, json: &Value) -> Result<Description, Refusal>
     })
 }
 
-/// Two runs may not share a name or a file: a doubled file would pass for a perfect repeat.
+/// Two runs may not share a name.
 fn refuse_doubles(file: &str, resources: &[Resource]) -> Result<(), Refusal> {
     let mut names = BTreeMap::new();
     for resource in resources {

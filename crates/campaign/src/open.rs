@@ -52,19 +52,11 @@ pub fn open(path: &Path) -> Result<Campaign, Refusal> {
         DESCRIPTION.to_owned(),
         blake3::hash(&text).to_hex().to_string(),
     )];
+    let places = places(folder, &file, &description.resources)?;
     let mut runs = Vec::new();
-    let mut files = BTreeMap::new();
-    for resource in &description.resources {
-        let place = inside(folder, &file, resource)?;
-        if let Some(first) = files.insert(place.clone(), resource.name.as_str()) {
-            let problem = Problem::DuplicateFile {
-                first: quoted(first, 60),
-                second: quoted(&resource.name, 60),
-            };
-            return Err(Refusal::at_field(&file, &resource.field, problem));
-        }
+    for (resource, place) in description.resources.iter().zip(&places) {
         let shown = folder.join(&resource.path).display().to_string();
-        let text = read(&place, &shown, LARGEST_RUN_MIB)?;
+        let text = read(place, &shown, LARGEST_RUN_MIB)?;
         hashes.push((
             resource.path.clone(),
             blake3::hash(&text).to_hex().to_string(),
@@ -73,6 +65,24 @@ pub fn open(path: &Path) -> Result<Campaign, Refusal> {
     }
     hashes.sort();
     finish(&file, folder, description, runs, hashes)
+}
+
+/// The files of the resources, each inside the folder and each used once: a doubled file would pass for a perfect repeat.
+fn places(folder: &Path, file: &str, resources: &[Resource]) -> Result<Vec<PathBuf>, Refusal> {
+    let mut seen = BTreeMap::new();
+    let mut places = Vec::new();
+    for resource in resources {
+        let place = inside(folder, file, resource)?;
+        if let Some(first) = seen.insert(place.clone(), resource.name.as_str()) {
+            let problem = Problem::DuplicateFile {
+                first: quoted(first, 60),
+                second: quoted(&resource.name, 60),
+            };
+            return Err(Refusal::at_field(file, &resource.field, problem));
+        }
+        places.push(place);
+    }
+    Ok(places)
 }
 
 /// One run from the text of its file.

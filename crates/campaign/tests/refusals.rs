@@ -95,21 +95,24 @@ fn the_package_that_the_cases_spoil_is_a_good_one() {
 #[test]
 fn cells() {
     let cases = [
-        ("1.0,14,", "column force_n: the cell is empty"),
-        ("1.0,14,abc", "column force_n: `abc` is not a number"),
-        ("1.0,14,1,5", ": has 4 cells, but the header has 3"),
-        ("1.0,14", ": has 2 cells, but the header has 3"),
+        ("0.875,14,", "column force_n: the cell is empty"),
+        ("0.875,14,abc", "column force_n: `abc` is not a number"),
+        ("0.875,14,1,5", ": has 4 cells, but the header has 3"),
+        ("0.875,14", ": has 2 cells, but the header has 3"),
         ("", ": the row is empty"),
-        ("1.0,14,NaN", "column force_n: `NaN` is not a finite number"),
         (
-            "1.0,inf,1.5",
+            "0.875,14,NaN",
+            "column force_n: `NaN` is not a finite number",
+        ),
+        (
+            "0.875,inf,1.5",
             "column velocity_mm_s: `inf` is not a finite number",
         ),
         (
-            "1.0,14,1e400",
+            "0.875,14,1e400",
             "column force_n: `1e400` is not a finite number",
         ),
-        ("1.0,14,0x10", "column force_n: `0x10` is not a number"),
+        ("0.875,14,0x10", "column force_n: `0x10` is not a number"),
         (
             "0.75,14,1.5",
             "column time_s: time does not increase: 0.75 s after 0.75 s",
@@ -119,7 +122,7 @@ fn cells() {
             "column time_s: time does not increase: 0.5 s after 0.75 s",
         ),
         (
-            "1.0,-14,1.5",
+            "0.875,-14,1.5",
             "column velocity_mm_s: the direction is `forward`, but the velocity is -0.014 m/s",
         ),
         (",14,1.5", "column time_s: the cell is empty"),
@@ -154,7 +157,10 @@ fn headers() {
         .line(1, "time_s,velocity_mm_s,tension");
     refused(&renamed, "runs/a.csv: no column holds force");
     let doubled = Package::new()
-        .with(&format!("{fields}/2/name"), Some(json!("velocity_m_s")))
+        .with(
+            &format!("{fields}/2"),
+            Some(json!({"name": "velocity_m_s", "unit": "m/s"})),
+        )
         .line(1, "time_s,velocity_mm_s,velocity_m_s");
     refused(
         &doubled,

@@ -1,0 +1,11 @@
+//! The stages of the reproduction, one file each.
+
+mod audit;
+
+use crate::stage::Stage;
+
+/// All stages, in the order of the report; a stage stands behind those that it needs.
+#[must_use]
+pub fn all() -> Vec<&'static dyn Stage> {
+    vec![&audit::Audit]
+}
