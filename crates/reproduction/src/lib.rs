@@ -1,9 +1,21 @@
 //! The paper: published numbers, stages, claims, cache and provenance; the program behind cargo xtask.
+//!
+//! The way of a run: [`published`] and [`claims`] are read, [`campaigns`] opened; [`engine`] runs [`stages`] (each a
+//! [`Stage`]), keeping outputs by content ([`cache`]); [`judgements`] set values beside printed numbers and [`judge`]
+//! makes verdicts of them; [`results`] is what other programs read, [`compose`] the page.
 
+mod audit;
+pub mod cache;
 pub mod campaigns;
+pub mod claims;
+pub mod engine;
+pub mod judge;
+pub mod judgements;
 pub mod names;
 pub mod published;
 pub mod stage;
+pub mod stages;
+pub mod watch;
 
 pub use published::{Interval, LawNumbers, Printed, Published};
 pub use report::{Evidence, Value, Verdict};
