@@ -60,7 +60,9 @@ impl Cache {
     /// A cache in this folder, which need not be there yet.
     #[must_use]
     pub fn new(folder: &Path) -> Self {
-        Self { folder: folder.to_owned() }
+        Self {
+            folder: folder.to_owned(),
+        }
     }
 
     fn path(&self, stage: &str, key: &str) -> PathBuf {
@@ -78,9 +80,16 @@ impl Cache {
     ///
     /// # Errors
     /// Where the file cannot be written.
-    pub fn put(&self, stage: &str, key: &str, output: &StageOutput) -> Result<(), crate::stage::StageError> {
+    pub fn put(
+        &self,
+        stage: &str,
+        key: &str,
+        output: &StageOutput,
+    ) -> Result<(), crate::stage::StageError> {
         let failed = |error: &dyn std::fmt::Display| {
-            crate::stage::StageError::Failed(format!("the output of {stage} cannot be kept: {error}"))
+            crate::stage::StageError::Failed(format!(
+                "the output of {stage} cannot be kept: {error}"
+            ))
         };
         let text = serde_json::to_string(output).map_err(|error| failed(&error))?;
         let path = self.path(stage, key);
@@ -91,12 +100,15 @@ impl Cache {
     /// Keeps the newest few outputs of a stage: switching between two data sets or options should stay quick.
     fn drop_older(&self, stage: &str) {
         const KEPT: usize = 4;
-        let Ok(entries) = std::fs::read_dir(&self.folder) else { return };
+        let Ok(entries) = std::fs::read_dir(&self.folder) else {
+            return;
+        };
         let mut files: Vec<_> = entries
             .filter_map(Result::ok)
             .filter(|entry| {
                 let name = entry.file_name().to_string_lossy().into_owned();
-                name.strip_prefix(stage).is_some_and(|rest| rest.starts_with('-'))
+                name.strip_prefix(stage)
+                    .is_some_and(|rest| rest.starts_with('-'))
             })
             .filter_map(|entry| Some((entry.metadata().ok()?.modified().ok()?, entry.path())))
             .collect();

@@ -82,8 +82,10 @@ struct ClaimsFile {
 /// # Errors
 /// Where the file cannot be read or an entry lacks a field.
 pub fn read(path: &Path) -> Result<Vec<Claim>, ClaimsError> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|source| ClaimsError::Read { path: path.to_owned(), source })?;
+    let text = std::fs::read_to_string(path).map_err(|source| ClaimsError::Read {
+        path: path.to_owned(),
+        source,
+    })?;
     let file: ClaimsFile = toml::from_str(&text).map_err(Box::new)?;
     Ok(file.claim)
 }

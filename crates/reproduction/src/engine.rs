@@ -67,7 +67,11 @@ pub fn closure<'s>(stages: &[&'s dyn Stage], wanted: &[&str]) -> Vec<&'s dyn Sta
             needed.extend(stage.needs().stages);
         }
     }
-    stages.iter().copied().filter(|stage| needed.contains(stage.id())).collect()
+    stages
+        .iter()
+        .copied()
+        .filter(|stage| needed.contains(stage.id()))
+        .collect()
 }
 
 impl Engine<'_> {
@@ -80,28 +84,54 @@ impl Engine<'_> {
             let ready: Vec<&&'static dyn Stage> = stages
                 .iter()
                 .filter(|stage| !done.contains_key(stage.id()))
-                .filter(|stage| stage.needs().stages.iter().all(|need| done.contains_key(need)))
+                .filter(|stage| {
+                    stage
+                        .needs()
+                        .stages
+                        .iter()
+                        .all(|need| done.contains_key(need))
+                })
                 .collect();
             assert!(!ready.is_empty(), "stages need each other in a circle");
-            let outputs: Vec<Finished> = ready.par_iter().map(|stage| self.run_one(**stage, &done)).collect();
+            let outputs: Vec<Finished> = ready
+                .par_iter()
+                .map(|stage| self.run_one(**stage, &done))
+                .collect();
             done.extend(outputs.into_iter().map(|finished| (finished.id, finished)));
         }
-        stages.iter().filter_map(|stage| done.remove(stage.id())).collect()
+        stages
+            .iter()
+            .filter_map(|stage| done.remove(stage.id()))
+            .collect()
     }
 
-    fn run_one(&self, stage: &'static dyn Stage, done: &BTreeMap<&'static str, Finished>) -> Finished {
+    fn run_one(
+        &self,
+        stage: &'static dyn Stage,
+        done: &BTreeMap<&'static str, Finished>,
+    ) -> Finished {
         let id = stage.id();
         self.watch.start(id, stage.title());
         let (inputs, key) = match self.inputs(stage, done) {
             Ok(found) => found,
-            Err(error) => return self.finished(id, Err(error), BTreeMap::new(), String::new(), Source::Computed),
+            Err(error) => {
+                return self.finished(
+                    id,
+                    Err(error),
+                    BTreeMap::new(),
+                    String::new(),
+                    Source::Computed,
+                );
+            }
         };
         if let Some(kept) = self.cache.get(id, &key) {
             return self.finished(id, Ok(kept), inputs, key, Source::Kept);
         }
         let earlier: BTreeMap<String, Arc<StageOutput>> = done
             .iter()
-            .filter_map(|(id, finished)| Some(((*id).to_owned(), Arc::clone(finished.output.as_ref().ok()?))))
+            .filter_map(|(id, finished)| {
+                Some(((*id).to_owned(), Arc::clone(finished.output.as_ref().ok()?)))
+            })
             .collect();
         let context = StageContext {
             stage: id,
@@ -113,7 +143,9 @@ impl Engine<'_> {
             earlier: &earlier,
             say: &|stage, line| self.watch.say(stage, line),
         };
-        let output = self.missing(stage, done).unwrap_or_else(|| stage.run(&context));
+        let output = self
+            .missing(stage, done)
+            .unwrap_or_else(|| stage.run(&context));
         // An output that cannot be kept is an output all the same: the next run computes it again.
         if let Ok(output) = &output
             && let Err(problem) = self.cache.put(id, &key, output)
@@ -129,9 +161,16 @@ impl Engine<'_> {
         stage: &'static dyn Stage,
         done: &BTreeMap<&'static str, Finished>,
     ) -> Option<Result<StageOutput, StageError>> {
-        let failed = stage.needs().stages.iter().find(|need| done[*need].output.is_err())?;
+        let failed = stage
+            .needs()
+            .stages
+            .iter()
+            .find(|need| done[*need].output.is_err())?;
         let detail = format!("stage {failed} gave no output");
-        Some(Ok(StageOutput { status: StageStatus::MissingInput(detail), ..StageOutput::done() }))
+        Some(Ok(StageOutput {
+            status: StageStatus::MissingInput(detail),
+            ..StageOutput::done()
+        }))
     }
 
     /// Inputs of a stage and the key made of them.
@@ -142,14 +181,20 @@ impl Engine<'_> {
     ) -> Result<(BTreeMap<String, String>, String), StageError> {
         let needs = stage.needs();
         let mut inputs = BTreeMap::new();
-        inputs.insert("data/published.toml".to_owned(), self.published_hash.clone());
+        inputs.insert(
+            "data/published.toml".to_owned(),
+            self.published_hash.clone(),
+        );
         for name in needs.campaigns {
             for (path, hash) in &self.campaigns.open(name)?.input_hashes {
                 inputs.insert(format!("data/campaigns/{name}/{path}"), hash.clone());
             }
         }
         if let Some(model) = self.model.filter(|_| needs.model) {
-            inputs.insert("--model".to_owned(), blake3::hash(model.text.as_bytes()).to_hex().to_string());
+            inputs.insert(
+                "--model".to_owned(),
+                blake3::hash(model.text.as_bytes()).to_hex().to_string(),
+            );
         }
         let mut key = Key::new(&self.program);
         key.add("stage", stage.id());
@@ -172,7 +217,13 @@ impl Engine<'_> {
         source: Source,
     ) -> Finished {
         let output = output.map(Arc::new).map_err(|error| error.to_string());
-        let mut finished = Finished { id, output, inputs, seconds: 0.0, key };
+        let mut finished = Finished {
+            id,
+            output,
+            inputs,
+            seconds: 0.0,
+            key,
+        };
         finished.seconds = self.watch.end(id, &finished.status(), source);
         finished
     }

@@ -44,7 +44,11 @@ impl Check {
     #[must_use]
     pub fn gap(&self) -> Option<f64> {
         let ours = self.ours?;
-        Some((self.allowed.lower - ours.upper).max(ours.lower - self.allowed.upper).max(0.0))
+        Some(
+            (self.allowed.lower - ours.upper)
+                .max(ours.lower - self.allowed.upper)
+                .max(0.0),
+        )
     }
 
     /// Whether the gap is within the tolerance.
@@ -107,7 +111,10 @@ pub fn verdict(nature: Nature, combine: Combine, checks: &[Check]) -> Verdict {
 /// The weakest evidence among the checks: a chain is as good as its weakest link. `None` without checks.
 #[must_use]
 pub fn weakest(checks: &[Check]) -> Option<Evidence> {
-    checks.iter().map(|check| check.evidence).min_by_key(|evidence| strength(*evidence))
+    checks
+        .iter()
+        .map(|check| check.evidence)
+        .min_by_key(|evidence| strength(*evidence))
 }
 
 /// Order of the kinds of evidence, the weakest first.
@@ -126,7 +133,11 @@ fn strength(evidence: Evidence) -> u8 {
 pub fn flips_at(checks: &[Check]) -> Option<f64> {
     let factors: Option<Vec<f64>> = checks
         .iter()
-        .map(|check| Some(check.gap()?).filter(|_| check.tolerance > 0.0).map(|gap| gap / check.tolerance))
+        .map(|check| {
+            Some(check.gap()?)
+                .filter(|_| check.tolerance > 0.0)
+                .map(|gap| gap / check.tolerance)
+        })
         .collect();
     factors.map(|factors| factors.into_iter().fold(0.0, f64::max))
 }
@@ -139,7 +150,10 @@ mod tests {
         Check {
             label: String::new(),
             ours: ours.map(|x| Interval { lower: x, upper: x }),
-            allowed: Interval { lower: 12.605, upper: 12.615 },
+            allowed: Interval {
+                lower: 12.605,
+                upper: 12.615,
+            },
             tolerance: 0.05,
             unit: "percent".into(),
             evidence,
@@ -151,7 +165,8 @@ mod tests {
     fn the_table_of_verdicts() {
         use Evidence::{Computed, Measured, Published, Synthetic};
         use Nature::{Arithmetic, Computation, Measurement, Reading, Untestable};
-        let of = |nature, ours, evidence| verdict(nature, Combine::All, &[check(Some(ours), evidence)]);
+        let of =
+            |nature, ours, evidence| verdict(nature, Combine::All, &[check(Some(ours), evidence)]);
         assert_eq!(of(Arithmetic, 12.61, Published), Verdict::Reproduced);
         assert_eq!(of(Arithmetic, 13.0, Published), Verdict::Contradicted);
         assert_eq!(of(Measurement, 12.61, Synthetic), Verdict::Consistent);
@@ -164,13 +179,21 @@ mod tests {
         assert_eq!(of(Reading, 12.61, Computed), Verdict::Consistent);
         assert_eq!(of(Untestable, 12.61, Synthetic), Verdict::NotTestable);
         assert_eq!(of(Untestable, 12.61, Measured), Verdict::Reproduced);
-        assert_eq!(verdict(Computation, Combine::All, &[check(None, Computed)]), Verdict::NotRun);
+        assert_eq!(
+            verdict(Computation, Combine::All, &[check(None, Computed)]),
+            Verdict::NotRun
+        );
         assert_eq!(verdict(Computation, Combine::All, &[]), Verdict::NotRun);
     }
 
     #[test]
     fn one_of_two_readings_makes_a_claim_consistent_and_none_makes_it_differ() {
-        let pair = |one, other| [check(Some(one), Evidence::Computed), check(Some(other), Evidence::Computed)];
+        let pair = |one, other| {
+            [
+                check(Some(one), Evidence::Computed),
+                check(Some(other), Evidence::Computed),
+            ]
+        };
         let of = |one, other| verdict(Nature::Computation, Combine::Readings, &pair(one, other));
         assert_eq!(of(12.61, 12.61), Verdict::Reproduced);
         assert_eq!(of(12.61, 14.0), Verdict::Consistent);
@@ -179,7 +202,10 @@ mod tests {
 
     #[test]
     fn the_weakest_link_is_the_evidence() {
-        let pair = [check(Some(1.0), Evidence::Published), check(Some(1.0), Evidence::Synthetic)];
+        let pair = [
+            check(Some(1.0), Evidence::Published),
+            check(Some(1.0), Evidence::Synthetic),
+        ];
         assert_eq!(weakest(&pair), Some(Evidence::Synthetic));
     }
 

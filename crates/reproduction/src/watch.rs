@@ -34,7 +34,10 @@ impl Watch {
     #[must_use]
     pub fn new() -> Self {
         let bars = std::io::stderr().is_terminal().then(MultiProgress::new);
-        Self { bars, running: Mutex::default() }
+        Self {
+            bars,
+            running: Mutex::default(),
+        }
     }
 
     fn line(&self, text: &str) {
@@ -49,7 +52,9 @@ impl Watch {
     pub fn start(&self, id: &str, title: &str) {
         let bar = self.bars.as_ref().map(|bars| {
             let bar = bars.add(ProgressBar::new_spinner());
-            if let Ok(style) = ProgressStyle::with_template("  {spinner} {prefix:14} {elapsed:>4}  {msg}") {
+            if let Ok(style) =
+                ProgressStyle::with_template("  {spinner} {prefix:14} {elapsed:>4}  {msg}")
+            {
                 bar.set_style(style);
             }
             bar.set_prefix(id.to_owned());
@@ -82,7 +87,11 @@ impl Watch {
             bar.finish_and_clear();
         }
         let seconds = started.elapsed().as_secs_f64();
-        let kept = if source == Source::Kept { " (kept)" } else { "" };
+        let kept = if source == Source::Kept {
+            " (kept)"
+        } else {
+            ""
+        };
         self.line(&format!("  {seconds:6.2} s {id:14} {words}{kept}"));
         seconds
     }

@@ -27,10 +27,9 @@ pub(super) struct Bristle {
     pub(super) placement: Placement,
 }
 
-/// State and terms of E7 at one instant.
+/// Terms of E7 at one instant.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Terms {
-    pub(super) theta: f64,
     pub(super) stiffness: f64,
     pub(super) damping: f64,
     pub(super) viscous: f64,
@@ -55,11 +54,20 @@ impl Bristle {
     pub(super) fn terms(&self, theta: f64, v: f64) -> Terms {
         let cos2 = self.cos2(theta);
         let w = v / self.height_m * cos2;
-        let factor = if self.placement == Placement::AllTerms { cos2 } else { 1.0 };
+        let factor = if self.placement == Placement::AllTerms {
+            cos2
+        } else {
+            1.0
+        };
         let stiffness = self.p.sigma0 * theta * cos2;
         let damping = self.p.sigma1 * self.rate(theta, v) * factor;
         let viscous = self.p.sigma2 * w * factor;
-        Terms { theta, stiffness, damping, viscous, mu: stiffness + damping + viscous }
+        Terms {
+            stiffness,
+            damping,
+            viscous,
+            mu: stiffness + damping + viscous,
+        }
     }
 
     /// Steady state at speed v: theta = sign(v) g(w(theta))/sigma, by fixed point iteration (g depends weakly on theta).
@@ -76,7 +84,10 @@ impl Bristle {
     pub(super) fn mean_steady(&self, from: f64, to: f64) -> f64 {
         const CELLS: usize = 400;
         let speed = |cell: usize| from + (to - from) * (cell as f64 + 0.5) / CELLS as f64;
-        (0..CELLS).map(|cell| self.steady(speed(cell)).mu.abs()).sum::<f64>() / CELLS as f64
+        (0..CELLS)
+            .map(|cell| self.steady(speed(cell)).mu.abs())
+            .sum::<f64>()
+            / CELLS as f64
     }
 
     /// A ramp from rest: v = a t over `duration`, classical Runge-Kutta of order four on `steps` steps.

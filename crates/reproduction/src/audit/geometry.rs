@@ -44,7 +44,9 @@ fn reach(book: &mut Book<'_>, lean: f64) -> Result<(), PublishedError> {
     let rest = book.computed("reach.rest", r(lean), "mm");
     let forward = book.computed("reach.forward", r(theta + lean), "mm");
     let reverse = book.computed("reach.reverse", r(lean - theta), "mm");
-    let holds = [r(lean), r(theta + lean), r(lean - theta)].into_iter().all(|r| r <= length);
+    let holds = [r(lean), r(theta + lean), r(lean - theta)]
+        .into_iter()
+        .all(|r| r <= length);
     book.add(Sum {
         subject: "Reach of the bristle",
         locator: "E1; Section 2, identification",
@@ -92,7 +94,11 @@ fn cantilevers(book: &mut Book<'_>) -> Result<(), PublishedError> {
     let load_shown = book.sum("load_2x2", load_n, "N");
     let k_shown = book.sum("torsion_stiffness", k, "N m/rad");
     let count = book.computed("bristles", k / one, "bristles");
-    let a_brush = book.computed("bristles_per_brush", k / one / book.value("brush.count_2x2")?, "bristles");
+    let a_brush = book.computed(
+        "bristles_per_brush",
+        k / one / book.value("brush.count_2x2")?,
+        "bristles",
+    );
     book.add(Sum {
         subject: "Number of bristles in contact",
         locator: "E7, Table 1",

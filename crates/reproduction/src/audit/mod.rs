@@ -39,7 +39,11 @@ pub(crate) fn examine(published: &Published) -> Result<Audit, PublishedError> {
     stiffness::check(&mut book)?;
     law::check(&mut book, lean.joint)?;
     robot::check(&mut book)?;
-    Ok(Audit { values: book.values, items: book.items, section: law::section(&lean) })
+    Ok(Audit {
+        values: book.values,
+        items: book.items,
+        section: law::section(&lean),
+    })
 }
 
 /// Collects sums and their numbers.
@@ -64,11 +68,21 @@ impl<'a> Book<'a> {
         let values = published
             .iter()
             .map(|(id, number)| {
-                Value::new(format!("published.{id}"), number.value, &number.unit, "audit", Evidence::Published)
-                    .with_published(&number.printed)
+                Value::new(
+                    format!("published.{id}"),
+                    number.value,
+                    &number.unit,
+                    "audit",
+                    Evidence::Published,
+                )
+                .with_published(&number.printed)
             })
             .collect();
-        Self { published, values, items: Vec::new() }
+        Self {
+            published,
+            values,
+            items: Vec::new(),
+        }
     }
 
     fn value(&self, id: &str) -> Result<f64, PublishedError> {
@@ -83,7 +97,8 @@ impl<'a> Book<'a> {
     fn found(&mut self, name: &str, value: f64, unit: &str, evidence: Evidence) -> String {
         let id = format!("audit.{name}");
         let mark = format!("{{{{ v(\"{id}\") }}}}");
-        self.values.push(Value::new(id, value, unit, "audit", evidence));
+        self.values
+            .push(Value::new(id, value, unit, "audit", evidence));
         mark
     }
 
@@ -101,7 +116,11 @@ impl<'a> Book<'a> {
     fn range(&mut self, name: &str, interval: Interval, unit: &str) -> String {
         self.sum(&format!("{name}.lower"), interval.lower, unit);
         self.sum(&format!("{name}.upper"), interval.upper, unit);
-        let shown_unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+        let shown_unit = if unit == "1" {
+            String::new()
+        } else {
+            format!(" {unit}")
+        };
         format!(
             "\\[{{{{ n(\"audit.{name}.lower\", 5) }}}}, {{{{ n(\"audit.{name}.upper\", 5) }}}}\\]{shown_unit}"
         )
@@ -127,5 +146,9 @@ fn shown(id: &str) -> String {
 
 /// Holds or fails.
 fn outcome(holds: bool) -> AuditOutcome {
-    if holds { AuditOutcome::Holds } else { AuditOutcome::Fails }
+    if holds {
+        AuditOutcome::Holds
+    } else {
+        AuditOutcome::Fails
+    }
 }

@@ -106,11 +106,16 @@ fn masses(book: &mut Book<'_>) -> Result<(), PublishedError> {
     let large = book.value("brush.mass_3x3")?;
     let four = book.value("brush.count_2x2")?;
     let mut parts = Vec::new();
-    for (name, count) in [("six", book.value("brush.count_3x3")?), ("nine", book.value("brush.layout_3x3")?)] {
+    for (name, count) in [
+        ("six", book.value("brush.count_3x3")?),
+        ("nine", book.value("brush.layout_3x3")?),
+    ] {
         let brush = (large - small) / (count - four);
         let brush_shown = book.sum(&format!("brush_mass.{name}"), brush, "g");
         let fixture = book.sum(&format!("fixture_mass.{name}"), small - four * brush, "g");
-        parts.push(format!("with {name} brushes {brush_shown} each and {fixture} of fixture"));
+        parts.push(format!(
+            "with {name} brushes {brush_shown} each and {fixture} of fixture"
+        ));
     }
     book.add(Sum {
         subject: "Masses of the two specimens",
@@ -122,7 +127,8 @@ fn masses(book: &mut Book<'_>) -> Result<(), PublishedError> {
             parts.join("; ")
         ),
         outcome: AuditOutcome::Open,
-        consequence: "Both counts give positive masses: the masses do not tell which count is right.".into(),
+        consequence:
+            "Both counts give positive masses: the masses do not tell which count is right.".into(),
         claims: &["C16"],
     });
     Ok(())
@@ -134,8 +140,16 @@ fn ramp(book: &mut Book<'_>) -> Result<(), PublishedError> {
     let travel = book.value("protocol.travel")?;
     let duration = 2.0 * travel / speed;
     let duration_shown = book.sum("ramp.duration", duration, "s");
-    let acceleration = book.sum("ramp.acceleration", speed * speed / (2.0 * travel), "mm/s^2");
-    let samples = book.sum("ramp.samples", duration * book.value("rig.sample_rate")?, "samples");
+    let acceleration = book.sum(
+        "ramp.acceleration",
+        speed * speed / (2.0 * travel),
+        "mm/s^2",
+    );
+    let samples = book.sum(
+        "ramp.samples",
+        duration * book.value("rig.sample_rate")?,
+        "samples",
+    );
     let room = book.value("rig.stage_length")? - travel;
     let room_shown = book.sum("ramp.room", room, "mm");
     book.add(Sum {
@@ -194,7 +208,8 @@ fn figure_reference(book: &mut Book<'_>) {
     book.add(Sum {
         subject: "Reference to a figure",
         locator: "Section 2, identification",
-        sum: "the text says Fig. 8 twice where it describes Fig. 6 (2x2 measurement and fit)".into(),
+        sum: "the text says Fig. 8 twice where it describes Fig. 6 (2x2 measurement and fit)"
+            .into(),
         outcome: AuditOutcome::Fails,
         consequence: "A slip without consequence: the description fits Fig. 6 only.".into(),
         claims: &["C02"],

@@ -15,8 +15,14 @@ pub(super) fn check(book: &mut Book<'_>) -> Result<(), PublishedError> {
 fn counterfaces(book: &mut Book<'_>) -> Result<(), PublishedError> {
     let sigma0 = |material: &str| book.interval(&format!("table2.{material}.sigma0"));
     let rows = [sigma0("aluminium")?, sigma0("nylon")?, sigma0("ceramic")?];
-    let lowest_upper = rows.iter().map(|row| row.upper).fold(f64::INFINITY, f64::min);
-    let highest_lower = rows.iter().map(|row| row.lower).fold(f64::NEG_INFINITY, f64::max);
+    let lowest_upper = rows
+        .iter()
+        .map(|row| row.upper)
+        .fold(f64::INFINITY, f64::min);
+    let highest_lower = rows
+        .iter()
+        .map(|row| row.lower)
+        .fold(f64::NEG_INFINITY, f64::max);
     let middle = |row: &Interval| 0.5 * (row.lower + row.upper);
     let largest = rows.iter().map(middle).fold(f64::NEG_INFINITY, f64::max);
     let smallest = rows.iter().map(middle).fold(f64::INFINITY, f64::min);
@@ -40,7 +46,11 @@ fn counterfaces(book: &mut Book<'_>) -> Result<(), PublishedError> {
 /// k grows with the number of brushes, N with the mass: sigma0 of the 3x3 predicted from the 2x2.
 fn loads(book: &mut Book<'_>) -> Result<(), PublishedError> {
     let sigma0 = book.interval("table1.sigma0")?;
-    let loads = book.interval("brush.mass_2x2")?.combine(book.interval("brush.mass_3x3")?, |small, large| small / large);
+    let loads = book
+        .interval("brush.mass_2x2")?
+        .combine(book.interval("brush.mass_3x3")?, |small, large| {
+            small / large
+        });
     let four = book.value("brush.count_2x2")?;
     let mut ranges = Vec::new();
     let mut kept = true;
@@ -48,7 +58,10 @@ fn loads(book: &mut Book<'_>) -> Result<(), PublishedError> {
         let brushes = book.value(id)? / four;
         let predicted = sigma0.combine(loads, |sigma0, loads| sigma0 * loads * brushes);
         kept &= predicted.meets(sigma0);
-        ranges.push(format!("{} for {name} brushes", book.range(&format!("sigma0_3x3.{name}"), predicted, "1")));
+        ranges.push(format!(
+            "{} for {name} brushes",
+            book.range(&format!("sigma0_3x3.{name}"), predicted, "1")
+        ));
     }
     book.add(Sum {
         subject: "Stiffness of the 3x3 brush",
@@ -79,7 +92,11 @@ fn start_value(book: &mut Book<'_>) -> Result<(), PublishedError> {
     let mut shares = Vec::new();
     for material in ["aluminium", "nylon", "ceramic"] {
         let sigma = book.value(&format!("table2.{material}.sigma"))?;
-        shares.push(book.sum(&format!("sigma_over_reference.{material}"), sigma / reference, "1"));
+        shares.push(book.sum(
+            &format!("sigma_over_reference.{material}"),
+            sigma / reference,
+            "1",
+        ));
     }
     book.add(Sum {
         subject: "Where sigma came out",

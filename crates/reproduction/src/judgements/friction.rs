@@ -8,11 +8,20 @@ use crate::published::{Interval, PublishedError};
 const SINGLE: [&str; 4] = ["sigma0", "sigma1", "sigma2", "omega_sc"];
 
 /// A row of Table 1 or 2 against the identified parameters of a material.
-fn row(claim: &Claim, facts: &Facts<'_>, row: &str, material: &str) -> Result<Vec<Check>, PublishedError> {
+fn row(
+    claim: &Claim,
+    facts: &Facts<'_>,
+    row: &str,
+    material: &str,
+) -> Result<Vec<Check>, PublishedError> {
     let mut checks = Vec::new();
     let mut add = |name: &str, printed: Interval| {
         let middle = 0.5 * (printed.lower + printed.upper).abs();
-        let absolute = if name == "sigma2" { claim.allows("sigma2_s") } else { 0.0 };
+        let absolute = if name == "sigma2" {
+            claim.allows("sigma2_s")
+        } else {
+            0.0
+        };
         let tolerance = (claim.allows("relative") * middle).max(absolute);
         let id = format!("identification.{material}.{name}");
         checks.push(facts.check(&format!("{material} {name}"), &id, printed, tolerance));
@@ -21,7 +30,10 @@ fn row(claim: &Claim, facts: &Facts<'_>, row: &str, material: &str) -> Result<Ve
         add(name, facts.published.interval(&format!("{row}.{name}"))?);
     }
     let sigma = facts.published.interval(&format!("{row}.sigma"))?;
-    for (name, level) in [("theta_c_over_sigma", "theta_c"), ("theta_s_over_sigma", "theta_s")] {
+    for (name, level) in [
+        ("theta_c_over_sigma", "theta_c"),
+        ("theta_s_over_sigma", "theta_s"),
+    ] {
         let level = facts.published.interval(&format!("{row}.{level}"))?;
         add(name, level.combine(sigma, |level, sigma| level / sigma));
     }
@@ -55,7 +67,11 @@ fn both_directions(claim: &Claim, facts: &Facts<'_>, stem: &str) -> Vec<Check> {
         .into_iter()
         .map(|direction| {
             let id = format!("{stem}.nrmse_{direction}");
-            facts.small(&format!("error {direction} over mean coefficient"), &id, claim.allows("nrmse"))
+            facts.small(
+                &format!("error {direction} over mean coefficient"),
+                &id,
+                claim.allows("nrmse"),
+            )
         })
         .collect()
 }
@@ -63,20 +79,38 @@ fn both_directions(claim: &Claim, facts: &Facts<'_>, stem: &str) -> Vec<Check> {
 /// C04: scatter between runs; counts only where it was measured.
 pub(super) fn repeatable(claim: &Claim, facts: &Facts<'_>) -> Result<Vec<Check>, PublishedError> {
     let id = "identification.aluminium.run_scatter";
-    Ok(vec![facts.small("scatter between runs", id, claim.allows("scatter"))])
+    Ok(vec![facts.small(
+        "scatter between runs",
+        id,
+        claim.allows("scatter"),
+    )])
 }
 
 /// C05: order of the differences forward less reverse.
-pub(super) fn order_of_counterfaces(_: &Claim, facts: &Facts<'_>) -> Result<Vec<Check>, PublishedError> {
+pub(super) fn order_of_counterfaces(
+    _: &Claim,
+    facts: &Facts<'_>,
+) -> Result<Vec<Check>, PublishedError> {
     let difference = |material: &str| format!("materials.{material}.difference");
     Ok(vec![
-        facts.larger("difference, aluminium less nylon", &difference("aluminium"), &difference("nylon")),
-        facts.larger("difference, nylon less ceramic", &difference("nylon"), &difference("ceramic")),
+        facts.larger(
+            "difference, aluminium less nylon",
+            &difference("aluminium"),
+            &difference("nylon"),
+        ),
+        facts.larger(
+            "difference, nylon less ceramic",
+            &difference("nylon"),
+            &difference("ceramic"),
+        ),
     ])
 }
 
 /// C09: the mean by rounding, the plateau of the campaign by tolerance.
-pub(super) fn steady_coefficients(claim: &Claim, facts: &Facts<'_>) -> Result<Vec<Check>, PublishedError> {
+pub(super) fn steady_coefficients(
+    claim: &Claim,
+    facts: &Facts<'_>,
+) -> Result<Vec<Check>, PublishedError> {
     let forward = facts.published.interval("steady.forward")?;
     let reverse = facts.published.interval("steady.reverse")?;
     let mean = forward.combine(reverse, |f, r| 0.5 * (f + r));
@@ -84,12 +118,27 @@ pub(super) fn steady_coefficients(claim: &Claim, facts: &Facts<'_>) -> Result<Ve
         ours: Some(mean),
         value_id: Some("audit.steady_mean.lower".to_owned()),
         evidence: report::Evidence::Published,
-        ..facts.check("mean of both", "audit.steady_mean.lower", facts.published.interval("steady.mean")?, 0.0)
+        ..facts.check(
+            "mean of both",
+            "audit.steady_mean.lower",
+            facts.published.interval("steady.mean")?,
+            0.0,
+        )
     };
     let plateau = claim.allows("plateau");
     Ok(vec![
         sum,
-        facts.check("plateau forward", "materials.aluminium.steady_forward", forward, plateau),
-        facts.check("plateau reverse", "materials.aluminium.steady_reverse", reverse, plateau),
+        facts.check(
+            "plateau forward",
+            "materials.aluminium.steady_forward",
+            forward,
+            plateau,
+        ),
+        facts.check(
+            "plateau reverse",
+            "materials.aluminium.steady_reverse",
+            reverse,
+            plateau,
+        ),
     ])
 }

@@ -67,9 +67,13 @@ const JUDGEMENTS: [(&str, Judgement); 22] = [
 /// # Errors
 /// Where a published number is missing, or no function has the claim's id.
 pub fn judge(claim: &Claim, facts: &Facts<'_>) -> Result<Judged, PublishedError> {
-    let (_, judgement) = JUDGEMENTS.iter().find(|(id, _)| *id == claim.id).ok_or_else(|| {
-        PublishedError::Entry { id: claim.id.clone(), problem: "no judgement has this id".to_owned() }
-    })?;
+    let (_, judgement) = JUDGEMENTS
+        .iter()
+        .find(|(id, _)| *id == claim.id)
+        .ok_or_else(|| PublishedError::Entry {
+            id: claim.id.clone(),
+            problem: "no judgement has this id".to_owned(),
+        })?;
     let checks = judgement(claim, facts)?;
     let fallback = match claim.nature {
         judge::Nature::Arithmetic => Evidence::Published,
@@ -85,7 +89,10 @@ pub fn judge(claim: &Claim, facts: &Facts<'_>) -> Result<Judged, PublishedError>
 }
 
 /// Everything from minus to plus infinity.
-const ABOVE_ZERO: Interval = Interval { lower: f64::MIN_POSITIVE, upper: f64::INFINITY };
+const ABOVE_ZERO: Interval = Interval {
+    lower: f64::MIN_POSITIVE,
+    upper: f64::INFINITY,
+};
 
 impl Claim {
     /// A tolerance by its name; zero where the claim states none.
@@ -98,7 +105,9 @@ impl Facts<'_> {
     /// The value as an interval: its 95 % interval, or a point where it has none.
     fn ours(&self, id: &str) -> Option<Interval> {
         let value = self.values.get(id)?;
-        let [lower, upper] = value.ci95.or_else(|| value.value.map(|point| [point, point]))?;
+        let [lower, upper] = value
+            .ci95
+            .or_else(|| value.value.map(|point| [point, point]))?;
         Some(Interval { lower, upper })
     }
 
@@ -123,16 +132,36 @@ impl Facts<'_> {
 
     /// The comparison of a value, without regard to sign or interval, with zero.
     fn small(&self, label: &str, id: &str, tolerance: f64) -> Check {
-        let point = self.point(id).map(|value| Interval { lower: value.abs(), upper: value.abs() });
-        Check { ours: point, ..self.check(label, id, Interval { lower: 0.0, upper: 0.0 }, tolerance) }
+        let point = self.point(id).map(|value| Interval {
+            lower: value.abs(),
+            upper: value.abs(),
+        });
+        Check {
+            ours: point,
+            ..self.check(
+                label,
+                id,
+                Interval {
+                    lower: 0.0,
+                    upper: 0.0,
+                },
+                tolerance,
+            )
+        }
     }
 
     /// Whether one value is larger than another: their difference above zero.
     fn larger(&self, label: &str, larger: &str, smaller: &str) -> Check {
         let difference = match (self.point(larger), self.point(smaller)) {
-            (Some(a), Some(b)) => Some(Interval { lower: a - b, upper: a - b }),
+            (Some(a), Some(b)) => Some(Interval {
+                lower: a - b,
+                upper: a - b,
+            }),
             _ => None,
         };
-        Check { ours: difference, ..self.check(label, larger, ABOVE_ZERO, 0.0) }
+        Check {
+            ours: difference,
+            ..self.check(label, larger, ABOVE_ZERO, 0.0)
+        }
     }
 }

@@ -22,9 +22,12 @@ impl Stage for Audit {
     fn run(&self, context: &StageContext<'_>) -> Result<StageOutput, StageError> {
         let audit = examine(context.published)?;
         let mut output = StageOutput::done();
-        let items = serde_json::to_value(&audit.items).map_err(|error| StageError::Failed(error.to_string()))?;
+        let items = serde_json::to_value(&audit.items)
+            .map_err(|error| StageError::Failed(error.to_string()))?;
         output.artefacts.insert("items".to_owned(), items);
-        output.work.insert("sums".to_owned(), audit.items.len() as u64);
+        output
+            .work
+            .insert("sums".to_owned(), audit.items.len() as u64);
         output.values = audit.values;
         output.sections = vec![audit.section];
         Ok(output)
