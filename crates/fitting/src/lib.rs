@@ -32,3 +32,4 @@ pub use profile::{
     Limit, Profile, ProfileOptions, ProfilePoint, profile, profile_curve, profile_interval,
 };
 pub use residuals::Residuals;
+pub use triangular::covariance_of;

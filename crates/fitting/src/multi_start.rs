@@ -21,6 +21,8 @@ pub struct MultiStart {
     pub tried: usize,
     /// Accepted steps, evaluations of r, evaluations of J over all starts.
     pub work: (u64, u64, u64),
+    /// All fits, in the order of the starts.
+    pub fits: Vec<Fit>,
 }
 
 /// Minimises from every start in parallel; the answer depends on the starts and their order only.
@@ -70,6 +72,7 @@ pub fn multi_start<R: Residuals + ?Sized>(
         converged,
         tried: fits.len(),
         work,
+        fits,
     })
 }
 

@@ -65,3 +65,9 @@ pub(crate) fn covariance(r: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     }
     Some(&v_over_s * v_over_s.transpose())
 }
+
+/// Covariance (J^T J)^-1 of a whitened Jacobian; `None` where the data leave a direction undetermined.
+pub fn covariance_of(jacobian: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let rows = jacobian.nrows();
+    covariance(&reduce(jacobian.clone(), &DVector::zeros(rows)).r)
+}

@@ -1,0 +1,210 @@
+//! Parameters and noise of a campaign together.
+//!
+//! First every start is fitted with plain weights and the distinct minima are kept. Then noise and parameters are
+//! estimated in turn: the noise from the residuals of the last fit (restricted likelihood), the parameters by least
+//! squares whitened with that noise, until neither moves.
+
+use fitting::noise::{EstimateOptions, NoiseModel, Whitener, estimate};
+use fitting::{Bounds, Fit, Options, Status, minimise, multi_start};
+use nalgebra::DMatrix;
+use rig::{Experiment, Model};
+
+use crate::problem::{Problem, noise_context};
+use crate::question::IdentificationError;
+
+/// Work that a fit took, for snapshots.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Starts tried.
+    pub starts: usize,
+    /// Starts that converged.
+    pub converged: usize,
+    /// Converged starts that ended in the best minimum (of the fit with plain weights).
+    pub agreeing: usize,
+    /// Accepted steps of all fits.
+    pub iterations: u64,
+    /// Evaluations of the forces.
+    pub evaluations: u64,
+    /// Evaluations of forces with derivatives.
+    pub jacobians: u64,
+    /// Evaluations of the noise's likelihood.
+    pub noise_evaluations: usize,
+}
+
+impl Work {
+    pub(crate) fn add(&mut self, fit: &Fit) {
+        self.iterations += fit.iterations;
+        self.evaluations += fit.evaluations;
+        self.jacobians += fit.jacobians;
+    }
+}
+
+/// A fit with the noise under which it is one.
+pub(crate) struct Fitted {
+    pub(crate) fit: Fit,
+    pub(crate) predicted: Vec<f64>,
+    /// dF/dp at the fit, all parameters, not whitened.
+    pub(crate) jacobian: DMatrix<f64>,
+    pub(crate) noise: NoiseModel,
+    pub(crate) whitener: Whitener,
+    pub(crate) work: Work,
+}
+
+/// What a fit needs besides starts.
+pub(crate) struct Task<'a> {
+    pub(crate) experiment: &'a Experiment,
+    pub(crate) model: &'a Model,
+    pub(crate) bounds: &'a Bounds,
+    pub(crate) noise_options: EstimateOptions,
+    /// Sizes that are held instead of estimated.
+    pub(crate) noise: Option<fitting::noise::Sizes>,
+}
+
+/// Rounds of noise and parameters in turn. The noise depends on the parameters only through residuals that barely move
+/// after the first whitened fit; a third round changes no printed digit.
+const ROUNDS: usize = 2;
+
+impl Task<'_> {
+    fn problem<'a>(&'a self, whitener: Option<&'a Whitener>) -> Problem<'a> {
+        Problem {
+            experiment: self.experiment,
+            model: self.model,
+            whitener,
+        }
+    }
+
+    /// Fits from the starts, which are compared on `rough` (a part of the experiment) where it is given.
+    pub(crate) fn run(
+        &self,
+        starts: &[Vec<f64>],
+        rough: Option<(&Experiment, &Model)>,
+    ) -> Result<Fitted, IdentificationError> {
+        let mut work = Work::default();
+        // Enough to rank the minima: every one that is kept is fitted again under the noise.
+        let options = Options {
+            reduction_tolerance: 1e-5,
+            iteration_limit: 40,
+            ..Options::default()
+        };
+        let (experiment, model) = rough.unwrap_or((self.experiment, self.model));
+        let plain = Problem {
+            experiment,
+            model,
+            whitener: None,
+        };
+        let many = multi_start(&plain, starts, self.bounds, &options)
+            .map_err(|error| IdentificationError::NoStart(error.to_string()))?;
+        (work.starts, work.converged, work.agreeing) = (many.tried, many.converged, many.agreeing);
+        many.fits.iter().for_each(|fit| work.add(fit));
+        if many.best.status == Status::NonFiniteStart {
+            return Err(IdentificationError::NoStart(many.best.status.to_string()));
+        }
+        let mut candidates = distinct_minima(&many.fits, &many.best);
+        let mut best = many.best;
+        let mut noise: Option<NoiseModel> = None;
+        for _ in 0..ROUNDS {
+            let (model, whitener) = self.noise_at(&best.parameters, noise.as_ref(), &mut work);
+            let options = Options {
+                reduction_tolerance: 1e-8,
+                initial_damping: 1e-4,
+                iteration_limit: 100,
+                ..Options::default()
+            };
+            let problem = self.problem(Some(&whitener));
+            let again = multi_start(&problem, &candidates, self.bounds, &options)
+                .map_err(|error| IdentificationError::NoStart(error.to_string()))?;
+            again.fits.iter().for_each(|fit| work.add(fit));
+            best = again.best;
+            candidates = vec![best.parameters.clone()];
+            noise = Some(model);
+        }
+        self.finish(best, noise, work)
+    }
+
+    fn noise_at(
+        &self,
+        parameters: &[f64],
+        former: Option<&NoiseModel>,
+        work: &mut Work,
+    ) -> (NoiseModel, Whitener) {
+        let movable = self.bounds.movable();
+        let (predicted, jacobian) =
+            self.model
+                .predict_with_jacobian(self.experiment, parameters, Some(&movable));
+        let context = noise_context(self.experiment, &predicted);
+        let residual = self.problem(None).difference(predicted);
+        let mut options = self.noise_options.clone();
+        if let Some(former) = former {
+            options.start = Some(former.sizes);
+        }
+        let nothing = DMatrix::zeros(residual.len(), 0);
+        let model = match (self.noise, former) {
+            // Held sizes still need the evidence on scatter, which one evaluation gives.
+            (Some(_), Some(former)) => former.clone(),
+            _ => {
+                let mut model = estimate(&context, &residual, &jacobian, &nothing, &options);
+                work.noise_evaluations += model.evaluations;
+                if let Some(held) = self.noise {
+                    model.sizes = held;
+                }
+                model
+            }
+        };
+        let whitener = Whitener::new(&context, &model.sizes);
+        (model, whitener)
+    }
+
+    fn finish(
+        &self,
+        fit: Fit,
+        noise: Option<NoiseModel>,
+        mut work: Work,
+    ) -> Result<Fitted, IdentificationError> {
+        let noise =
+            noise.ok_or_else(|| IdentificationError::NoStart("no round of noise".into()))?;
+        // One covariance for residuals, intervals and criteria: that of the final forces, with the minimum taken again
+        // under it (it moves by far less than its own uncertainty).
+        let forces = self.model.predict(self.experiment, &fit.parameters);
+        let whitener = Whitener::new(&noise_context(self.experiment, &forces), &noise.sizes);
+        let options = Options {
+            reduction_tolerance: 1e-12,
+            initial_damping: 1e-7,
+            ..Options::default()
+        };
+        let problem = self.problem(Some(&whitener));
+        let fit = minimise(&problem, &fit.parameters, self.bounds, &options)
+            .map_err(|error| IdentificationError::NoStart(error.to_string()))?;
+        work.add(&fit);
+        let (predicted, jacobian) =
+            self.model
+                .predict_with_jacobian(self.experiment, &fit.parameters, None);
+        Ok(Fitted {
+            fit,
+            predicted,
+            jacobian,
+            noise,
+            whitener,
+            work,
+        })
+    }
+}
+
+/// Minima that differ by more than rounding, best first, at most three, within a factor of four of the best cost:
+/// under the right weights another one may win.
+fn distinct_minima(fits: &[Fit], best: &Fit) -> Vec<Vec<f64>> {
+    let mut sorted: Vec<&Fit> = fits.iter().filter(|fit| fit.cost.is_finite()).collect();
+    sorted.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    let mut kept: Vec<&Fit> = vec![best];
+    for fit in sorted {
+        let near = |other: &Fit| {
+            fit.parameters
+                .iter()
+                .zip(&other.parameters)
+                .all(|(a, b)| (a - b).abs() <= 1e-2 * (a.abs() + b.abs()) + 1e-9)
+        };
+        if kept.len() < 3 && fit.cost <= 4.0 * best.cost && !kept.iter().any(|k| near(k)) {
+            kept.push(fit);
+        }
+    }
+    kept.iter().map(|fit| fit.parameters.clone()).collect()
+}

@@ -1,0 +1,81 @@
+//! Campaigns as the model with its noise would record them: to check intervals, never to stand for data.
+//!
+//! y = F (1 + b + u + q) + e as in `fitting::noise`: gain of the run, roughness private to the run and fixed to the
+//! plate (both Ornstein-Uhlenbeck, drawn exactly at the samples), white sensor noise.
+
+use campaign::{Campaign, Provenance};
+use fitting::noise::Sizes;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rig::Experiment;
+
+fn draw(generator: &mut ChaCha8Rng) -> f64 {
+    StandardNormal.sample(generator)
+}
+
+/// An Ornstein-Uhlenbeck path of unit variance at increasing places.
+fn path(places: &[f64], length: f64, generator: &mut ChaCha8Rng) -> Vec<f64> {
+    let mut value = draw(generator);
+    let mut out = Vec::with_capacity(places.len());
+    for (k, place) in places.iter().enumerate() {
+        if k > 0 {
+            // x' = rho x + sqrt(1 - rho^2) e, rho = exp(-d/length)
+            let rho = (-(place - places[k - 1]) / length).exp();
+            value = rho * value + (1.0 - rho * rho).sqrt() * draw(generator);
+        }
+        out.push(value);
+    }
+    out
+}
+
+/// The campaign with its forces replaced by `force_n` under fresh noise.
+pub(crate) fn with_fresh_noise(
+    campaign: &Campaign,
+    experiment: &Experiment,
+    force_n: &[f64],
+    sizes: &Sizes,
+    generator: &mut ChaCha8Rng,
+) -> Campaign {
+    let places: Vec<f64> = experiment
+        .runs
+        .iter()
+        .flat_map(|run| run.position_m.iter().copied())
+        .collect();
+    let mut order: Vec<usize> = (0..places.len()).collect();
+    order.sort_by(|&a, &b| places[a].total_cmp(&places[b]).then(a.cmp(&b)));
+    let sorted: Vec<f64> = order.iter().map(|&i| places[i]).collect();
+    let mut plate = vec![0.0; places.len()];
+    for (&i, value) in order.iter().zip(path(&sorted, sizes.length, generator)) {
+        plate[i] = value;
+    }
+    let mut fresh = campaign.clone();
+    fresh.provenance = Provenance::Synthetic;
+    for (run, motion) in fresh.runs.iter_mut().zip(&experiment.runs) {
+        let gain = sizes.scatter * draw(generator);
+        let private = path(&motion.distance_m, sizes.length, generator);
+        for (k, i) in motion.samples.clone().enumerate() {
+            let factor = 1.0 + gain + sizes.private * private[k] + sizes.plate * plate[i];
+            run.force_n[k] = force_n[i] * factor + sizes.sensor * draw(generator);
+        }
+    }
+    fresh
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+
+    /// Variance one and correlation exp(-1) at one length, at unequal steps.
+    #[test]
+    fn paths_have_the_stated_covariance() {
+        let mut generator = ChaCha8Rng::seed_from_u64(3);
+        let places: Vec<f64> = (0..60_000).map(|i| 0.5 * f64::from(i)).collect();
+        let x = path(&places, 1.0, &mut generator);
+        let n = x.len() as f64;
+        let variance = x.iter().map(|a| a * a).sum::<f64>() / n;
+        let one_length = x.iter().zip(&x[2..]).map(|(a, b)| a * b).sum::<f64>() / n;
+        assert!((variance - 1.0).abs() < 0.05, "{variance}");
+        assert!((one_length - (-1.0_f64).exp()).abs() < 0.03, "{one_length}");
+    }
+}
