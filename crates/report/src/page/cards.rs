@@ -91,9 +91,13 @@ impl Cards<'_> {
             .map(|row| {
                 row.iter()
                     .zip(&table.columns)
-                    .map(|(cell, column)| {
+                    .enumerate()
+                    .map(|(index, (cell, column))| {
+                        let html = self.cell(cell, &column.unit, &place)?;
                         Ok(context! {
-                            html => safe(self.cell(cell, &column.unit, &place)?),
+                            // A heading of mathematics alone counts as empty for assistive technology.
+                            heads => index == 0 && !(html.starts_with("<math") && html.ends_with("</math>")),
+                            html => safe(html),
                             align => align(column.align),
                         })
                     })

@@ -139,7 +139,7 @@ fn block_html(block: &Block, cards: &Cards<'_>, place: &str) -> Result<String, E
         Block::Equation(equation) => {
             let place = format!("equation {}", equation.id);
             Ok(format!(
-                "<div class=\"equation\" id=\"{id}\"><div class=\"scroll\" role=\"region\" tabindex=\"0\" \
+                "<div class=\"equation\" id=\"{id}\"><div class=\"scroll\" role=\"group\" tabindex=\"0\" \
                  aria-label=\"Equation {id}\">{math}</div><p class=\"about\"><span class=\"id\">{id}</span> \
                  <span class=\"tag t-{status}\">{status}</span> {caption}</p></div>",
                 id = html(&equation.id),
