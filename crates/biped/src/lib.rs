@@ -6,5 +6,6 @@
 pub mod contact;
 pub mod dynamics;
 pub mod envelope;
+pub mod gait;
 pub mod kinematics;
 pub mod parameters;
