@@ -135,7 +135,7 @@ class Stride:
         con(sum(T) - period)
         for p in range(4):
             con(share[p] * period - T[p])
-        q0 = var("q0", 7, np.r_[0.0, ql[1:]], np.r_[0.0, qu[1:]], 1.0)
+        q0 = var("q0", 7, np.r_[0.0, np.full(6, -inf)], np.r_[0.0, np.full(6, inf)], 1.0)
         w0 = [var(f"w0_{p}", 7, -inf, inf, 0.05) for p in range(4)]
         cost = weight * (speed - aim) ** 2
         last = (q0, None)
@@ -222,6 +222,27 @@ class Stride:
     def get(self, x, name):
         i, n = self.names[name]
         return x[i : i + n]
+
+    def order(self):
+        """Names in the order of the Rust crate's vector of variables."""
+        names = [f"T{p}" for p in range(4)] + [f"f{p}" for p in range(4)] + ["T", "V", "q0"]
+        names += [f"w0_{p}" for p in range(4)]
+        for p, i, s in self.points:
+            kinds = "qwbu" + ("F" if self.rigid and STANCE[p] is not None else "")
+            names += [f"{kind}{p}_{i}_{s}" for kind in kinds]
+        return names + (["L1", "L3"] if self.rigid else [])
+
+    def to_rust(self, x):
+        return np.concatenate([self.get(x, name) for name in self.order()])
+
+    def from_rust(self, y):
+        x, at = np.zeros(len(self.lower)), 0
+        for name in self.order():
+            i, n = self.names[name]
+            x[i : i + n] = y[at : at + n]
+            at += n
+        assert at == len(y) == len(x)
+        return x
 
     def guess(self, speed=4.0, period=0.3, amplitude=0.4):
         x = np.zeros(len(self.lower))

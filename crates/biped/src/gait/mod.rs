@@ -12,7 +12,7 @@ pub mod layout;
 mod linear;
 pub mod motion;
 mod point;
-mod programme;
+pub mod programme;
 pub mod start;
 mod variables;
 

@@ -4,7 +4,7 @@ use super::layout::{Layout, Place};
 use super::point::{Point, compliant_force, impact_rows, motion_rows};
 use super::variables::scale;
 use super::{Contact, EVENT, Goal, PHASES, Problem, STANDING, Touchdown};
-use crate::kinematics::{COORDINATES, JOINTS, Leg, foot_jacobian, foot_velocity, leg_points};
+use crate::kinematics::{COORDINATES, JOINTS, Leg, foot_velocity, leg_points};
 use trajectory::{Block, LinearRow, Programme, Row, Scalar, Variable};
 
 /// What one block of the programme is.
@@ -238,6 +238,14 @@ impl Programme for Stride {
         super::variables::variables(&self.problem, &self.layout)
     }
 
+    /// The cost of missing the goal by half, and an effort of one.
+    fn cost_scale(&self) -> f64 {
+        match self.problem.goal {
+            Goal::Speed { weight, aim_m_s } => 1.0 + 0.25 * weight * aim_m_s * aim_m_s,
+            Goal::Acceleration { weight, .. } => 1.0 + weight,
+        }
+    }
+
     fn blocks(&self) -> Vec<Block> {
         self.kinds
             .iter()
@@ -271,10 +279,8 @@ impl Programme for Stride {
                 let mut q = [D::from(0.0); COORDINATES];
                 q[1..].copy_from_slice(&x[..COORDINATES - 1]);
                 let w = std::array::from_fn(|k| x[COORDINATES - 1 + k]);
-                let jacobian = foot_jacobian(&self.problem.biped, &q, leg);
-                for (row, line) in rows.iter_mut().zip(&jacobian) {
-                    *row = line.iter().zip(&w).fold(D::from(0.0), |sum, (j, w): (&D, &D)| sum + *j * *w);
-                }
+                let speed = foot_velocity(&self.problem.biped, &q, &w, leg);
+                rows.copy_from_slice(&speed);
             }
         }
     }
