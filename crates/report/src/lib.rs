@@ -9,7 +9,8 @@
 //!   [`Multiverse`], [`Drift`], [`Section`];
 //! * a [`Section`] holds [`Block`]s: [`Prose`], [`figure::Figure`], [`Table`], [`Equation`], [`Notice`], [`Chain`];
 //! * a figure holds a [`figure::Plot`]: [`figure::LinePlot`], [`figure::BarPlot`], [`figure::HeatMap`],
-//!   [`figure::Drawing`], [`figure::Animation`].
+//!   [`figure::Drawing`], [`figure::Animation`];
+//! * [`machine`] writes what programs read: RO-Crate, `codecheck.yml`, the in-toto statement of the verdicts.
 //!
 //! All parts are serialisable, because stages are cached with the section that they wrote.
 //!
@@ -22,6 +23,7 @@ mod document;
 mod drift;
 mod escape;
 pub mod figure;
+pub mod machine;
 mod mathml;
 mod number;
 mod page;

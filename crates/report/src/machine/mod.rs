@@ -1,0 +1,49 @@
+//! What programs read beside the report: a Workflow Run RO-Crate, a `codecheck.yml` and the in-toto statement of the
+//! verdicts. Pure functions from the document and the list of files written to text.
+
+mod codecheck;
+mod ro_crate;
+mod statement;
+
+pub use codecheck::codecheck;
+pub use ro_crate::ro_crate;
+pub use statement::{predicate, statement};
+
+use crate::Document;
+
+/// Name of the script that repeats the run; it is the workflow of the RO-Crate.
+pub const WORKFLOW: &str = "reproduce.sh";
+
+/// One file of the output folder.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OutputFile {
+    /// Path relative to the output folder, with forward slashes.
+    pub path: String,
+    /// Media type, such as `text/html`.
+    pub media_type: String,
+    /// What it holds, in a sentence.
+    pub description: String,
+    /// SHA-256 of its content, hexadecimal.
+    pub sha256: String,
+    /// Its size.
+    pub bytes: u64,
+}
+
+/// The script that repeats the run from a clone of the repository: to be written as [`WORKFLOW`].
+pub fn workflow_script(document: &Document) -> String {
+    let mut script = String::from(
+        "#!/bin/sh\n# Repeats the run whose results lie beside this file, in a clone of the repository.\nset -e\n",
+    );
+    let commit = &document.run.commit;
+    if !commit.is_empty() && commit.chars().all(|c| c.is_ascii_hexdigit()) {
+        script.push_str(&format!("git checkout {commit}\n"));
+    }
+    if document.run.dirty {
+        script.push_str("# The working copy had changes that no commit holds: this script cannot bring them back.\n");
+    }
+    // A command goes on one line; whatever follows a line break would be another command.
+    let command = document.header.command.lines().next().unwrap_or_default();
+    script.push_str(command);
+    script.push('\n');
+    script
+}
