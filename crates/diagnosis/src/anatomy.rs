@@ -10,8 +10,6 @@
 //! limited to 0..1. Shares of different axes overlap (in a ramp, time, position and speed are one another), so they do
 //! not add up to one.
 
-use campaign::Campaign;
-
 use crate::answer::Share;
 use crate::samples::Samples;
 
@@ -20,13 +18,12 @@ const BINS: usize = 24;
 
 /// Shares and profiles of all axes that vary in the campaign. `residual` and `floor` share a unit.
 pub(crate) fn anatomy(
-    campaign: &Campaign,
     samples: &Samples,
     residual: &[f64],
     floor: f64,
     correlation_length: f64,
 ) -> Vec<Share> {
-    let heading = samples.heading(campaign);
+    let heading = samples.heading();
     let run_value = |f: &dyn Fn(usize) -> f64| -> Vec<f64> {
         samples.owner.iter().map(|&k| f(k)).collect()
     };
@@ -41,7 +38,7 @@ pub(crate) fn anatomy(
         ("position", "m", &samples.place, true),
         ("speed", "m/s", &speed, true),
         ("order", "run", &order, true),
-        ("direction", "sign", &heading, false),
+        ("direction", "sign", heading, false),
     ];
     if samples.loaded {
         axes.push(("load", "N", &load, true));
@@ -57,7 +54,7 @@ pub(crate) fn anatomy(
             let along = Along {
                 samples,
                 x,
-                heading: &heading,
+                heading,
                 split,
             };
             let (explained, profile) = along.bins(residual, floor, correlation_length)?;

@@ -135,21 +135,7 @@ impl Subset {
         if self.whole {
             return bench.samples.clone();
         }
-        let all = &bench.samples;
-        let pick = |x: &[f64]| self.rows.iter().map(|&i| x[i]).collect::<Vec<f64>>();
-        let context = self.context(bench, &all.force);
-        Samples {
-            runs: context.runs,
-            owner: self.rows.iter().map(|&i| all.owner[i]).collect(),
-            time: pick(&all.time),
-            velocity: pick(&all.velocity),
-            place: pick(&all.place),
-            sliding: pick(&all.sliding),
-            load: pick(&all.load),
-            force: pick(&all.force),
-            temperature: all.temperature.as_deref().map(pick),
-            loaded: all.loaded,
-        }
+        bench.samples.select(&self.runs, &self.rows)
     }
 }
 
@@ -187,23 +173,18 @@ struct Problem<'a> {
     measured: DVector<f64>,
 }
 
-impl Problem<'_> {
-    fn with_prior(&self, whitened: DVector<f64>, parameters: &[f64]) -> DVector<f64> {
-        match &self.bench.prior {
-            None => whitened,
-            Some(prior) => {
-                let shift = DVector::from_iterator(
-                    prior.values.len(),
-                    prior.values.iter().zip(parameters).map(|(v, p)| p - v),
-                );
-                let rows = &prior.root * shift;
-                let n = whitened.len();
-                let mut out = whitened.resize_vertically(n + rows.len(), 0.0);
-                out.rows_mut(n, rows.len()).copy_from(&rows);
-                out
-            }
-        }
-    }
+/// Appends the prior's pseudo-observations (value less parameter) to a whitened residual (measured less predicted).
+fn with_prior_rows(prior: Option<&Prior>, white: DVector<f64>, parameters: &[f64]) -> DVector<f64> {
+    let Some(prior) = prior else { return white };
+    let extra = prior.values.len();
+    let shift = DVector::from_iterator(
+        extra,
+        prior.values.iter().zip(parameters).map(|(v, p)| v - p),
+    );
+    let n = white.len();
+    let mut out = white.resize_vertically(n + extra, 0.0);
+    out.rows_mut(n, extra).copy_from(&(&prior.root * shift));
+    out
 }
 
 /// Appends the prior's rows to whitened columns that belong to these parameters (`None`: not a law parameter).
@@ -228,7 +209,8 @@ impl Residuals for Problem<'_> {
     fn residuals(&self, parameters: &[f64]) -> DVector<f64> {
         let predicted = self.model.predict(&self.bench.experiment, parameters);
         let r = self.subset.gather(&predicted) - &self.measured;
-        self.with_prior(self.whitener.whiten(&r), parameters)
+        // The residual here is predicted less measured.
+        -with_prior_rows(self.bench.prior.as_ref(), -self.whitener.whiten(&r), parameters)
     }
 
     fn jacobian(&self, parameters: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
@@ -245,7 +227,7 @@ impl Residuals for Problem<'_> {
             self.model
                 .predict_with_jacobian(&self.bench.experiment, parameters, Some(columns));
         let r = self.subset.gather(&predicted) - &self.measured;
-        let r = self.with_prior(self.whitener.whiten(&r), parameters);
+        let r = -with_prior_rows(self.bench.prior.as_ref(), -self.whitener.whiten(&r), parameters);
         let owners: Vec<Option<usize>> = columns.iter().map(|&c| Some(c)).collect();
         let jacobian = self
             .whitener
@@ -429,6 +411,7 @@ pub(crate) struct Stand {
     pub(crate) ground: Ground,
     /// Whitened Jacobian with the prior's rows.
     pub(crate) white_jacobian: DMatrix<f64>,
+    white_gains: DMatrix<f64>,
     /// Rows that a prior adds.
     pub(crate) prior_rows: usize,
     /// -2 log likelihood, the scatter between runs at its likeliest.
@@ -456,18 +439,8 @@ impl Stand {
         let white_gains = append_prior(prior, whitener.whiten_columns(&gains), &[]);
         let residual =
             subset.gather(&bench.experiment.measured_n) - subset.gather(&fitted.prediction);
-        let mut white = whitener.whiten(&residual);
+        let white = with_prior_rows(prior, whitener.whiten(&residual), &fitted.parameters);
         let prior_rows = prior.map_or(0, |p| p.values.len());
-        if let Some(prior) = prior {
-            let shift = DVector::from_iterator(
-                prior_rows,
-                prior.values.iter().zip(&fitted.parameters).map(|(v, p)| v - p),
-            );
-            let rows = &prior.root * shift;
-            let n = white.len();
-            white = white.resize_vertically(n + prior_rows, 0.0);
-            white.rows_mut(n, prior_rows).copy_from(&rows);
-        }
         let deviance = whitener.log_det() + scatter_deviance(&white_gains, &white);
         let ground = Ground::new(&white_jacobian, &white_gains, &white);
         Self {
@@ -478,9 +451,38 @@ impl Stand {
             columns,
             ground,
             white_jacobian,
+            white_gains,
             prior_rows,
             deviance,
         }
+    }
+
+    /// V(s)^-1/2 W J: the whitened Jacobian with the scatter between runs whitened too.
+    pub(crate) fn white_descattered(&self, scatter: f64) -> DMatrix<f64> {
+        let eigen = self.white_gains.tr_mul(&self.white_gains).symmetric_eigen();
+        let mut out = self.white_jacobian.clone();
+        let largest = eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
+        for (k, l) in eigen.eigenvalues.iter().enumerate() {
+            if *l <= 1e-12 * largest {
+                continue;
+            }
+            let u = &self.white_gains * eigen.eigenvectors.column(k) / l.sqrt();
+            let shrink = 1.0 - 1.0 / (1.0 + scatter * scatter * l).sqrt();
+            let along = u.transpose() * &self.white_jacobian;
+            out -= &u * along * shrink;
+        }
+        out
+    }
+
+    /// -2 log likelihood of another fit under this stand's noise, the scatter between runs at that fit's likeliest.
+    pub(crate) fn deviance_of(&self, bench: &Bench<'_>, subset: &Subset, fit: &Fitted) -> f64 {
+        let residual = subset.gather(&bench.experiment.measured_n) - subset.gather(&fit.prediction);
+        let white = with_prior_rows(
+            bench.prior.as_ref(),
+            self.whitener.whiten(&residual),
+            &fit.parameters,
+        );
+        self.whitener.log_det() + scatter_deviance(&self.white_gains, &white)
     }
 
     /// Whitens columns (all samples), with empty rows for a prior.

@@ -4,7 +4,6 @@
 //! over speed, and over time within each run. Each family is tested as a whole (many small deviations) and hat by hat
 //! (one place); the tests pay for one another by Bonferroni's bound.
 
-use campaign::Campaign;
 use nalgebra::DMatrix;
 
 use crate::answer::Place;
@@ -34,8 +33,8 @@ pub(crate) struct Lack {
 }
 
 /// The families that a campaign's samples allow.
-pub(crate) fn families(campaign: &Campaign, samples: &Samples, scale: &[f64], length: f64) -> Vec<Hats> {
-    let heading = samples.heading(campaign);
+pub(crate) fn families(samples: &Samples, scale: &[f64], length: f64) -> Vec<Hats> {
+    let heading = samples.heading();
     let mut out = Vec::new();
     let (lo, hi) = range(&samples.place);
     let cells = (((hi - lo) / (4.0 * length)) as usize).clamp(4, 36);
@@ -139,7 +138,7 @@ pub(crate) fn test(
     families: &[Hats],
     whitened: &[DMatrix<f64>],
     samples: &Samples,
-    campaign: &Campaign,
+    names: &[String],
 ) -> Lack {
     let mut best: Option<(f64, usize, Vec<f64>, f64)> = None;
     let mut log_p = 0.0_f64;
@@ -170,7 +169,7 @@ pub(crate) fn test(
     }
     let count = families.len().max(1) as f64;
     let (place, excess) = best.map_or((None, 0.0), |(_, f, single, excess)| {
-        (locate(&families[f], &single, samples, campaign), excess)
+        (locate(&families[f], &single, samples, names), excess)
     });
     Lack {
         log_p: (log_p + count.ln()).min(0.0),
@@ -180,7 +179,7 @@ pub(crate) fn test(
 }
 
 /// The shortest stretch of neighbouring hats that holds four fifths of the squared deviations beyond chance.
-fn locate(family: &Hats, z: &[f64], samples: &Samples, campaign: &Campaign) -> Option<Place> {
+fn locate(family: &Hats, z: &[f64], samples: &Samples, names: &[String]) -> Option<Place> {
     let beyond: Vec<f64> = z.iter().map(|z| (z * z - 4.0).max(0.0)).collect();
     let total: f64 = beyond.iter().sum();
     if !(total > 0.0) {
@@ -220,7 +219,7 @@ fn locate(family: &Hats, z: &[f64], samples: &Samples, campaign: &Campaign) -> O
         Some(_) => {
             let mut own: Vec<usize> = chosen.iter().filter_map(|&j| family.cells[j].2).collect();
             own.dedup();
-            own.into_iter().map(|k| campaign.runs[k].name.clone()).collect()
+            own.into_iter().map(|k| names[k].clone()).collect()
         }
         None => (0..samples.runs.len())
             .filter(|&k| {
@@ -228,7 +227,7 @@ fn locate(family: &Hats, z: &[f64], samples: &Samples, campaign: &Campaign) -> O
                     .clone()
                     .any(|i| chosen.iter().any(|&j| family.columns[(i, j)] != 0.0))
             })
-            .map(|k| campaign.runs[k].name.clone())
+            .map(|k| names[k].clone())
             .collect(),
     };
     Some(Place {
@@ -241,9 +240,9 @@ fn locate(family: &Hats, z: &[f64], samples: &Samples, campaign: &Campaign) -> O
 }
 
 /// Short bursts: stretches of whitened residual whose mean square is above what the campaign's own tails allow.
-pub(crate) fn bursts(ground: &Ground, samples: &Samples, campaign: &Campaign) -> Lack {
+pub(crate) fn bursts(ground: &Ground, samples: &Samples, names: &[String]) -> Lack {
     const WINDOW: usize = 40;
-    let y = &ground.y;
+    let y = ground.y.rows(0, samples.len()).into_owned();
     let n = y.len() as f64;
     let mean = y.norm_squared() / n;
     // Robust spread of squares: tails of the noise itself must not look like bursts.
@@ -283,7 +282,7 @@ pub(crate) fn bursts(ground: &Ground, samples: &Samples, campaign: &Campaign) ->
             from: samples.time[start],
             to: samples.time[end],
             unit: "s".into(),
-            runs: vec![campaign.runs[k].name.clone()],
+            runs: vec![names[k].clone()],
         }),
         excess: (ratio - 1.0).max(0.0) * WINDOW as f64,
     }

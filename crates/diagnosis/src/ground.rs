@@ -60,6 +60,8 @@ pub(crate) struct Score {
     pub(crate) log_p: f64,
     /// Estimated coefficients of the given columns, at the likeliest scatter.
     pub(crate) coefficients: Vec<f64>,
+    /// Standard deviations of the coefficients.
+    pub(crate) sd: Vec<f64>,
     /// The likeliest scatter with the effect in the model.
     pub(crate) scatter: f64,
 }
@@ -190,13 +192,28 @@ impl Ground {
             .map(|(w, t)| w - total + t)
             .fold(f64::NEG_INFINITY, log_sum);
         let coefficients = &direction.back * &best.3;
+        let sd = self.deviations(best.1, direction, &against);
         Score {
+            sd,
             statistic: best.2,
             columns: k,
             log_p: log_p.min(0.0),
             coefficients: coefficients.iter().copied().collect(),
             scatter: best.1,
         }
+    }
+
+    /// Standard deviations of the given columns' coefficients at a scatter.
+    fn deviations(&self, s: f64, direction: &Direction, against: &DMatrix<f64>) -> Vec<f64> {
+        let k = direction.columns.ncols();
+        let mut a = DMatrix::identity(k, k) * (1.0 + 1e-9);
+        for (m, l) in self.lambda.iter().enumerate() {
+            let row = against.row(m);
+            a -= row.transpose() * row * (s * s / (1.0 + s * s * l));
+        }
+        let covariance = a.try_inverse().unwrap_or_else(|| DMatrix::identity(k, k));
+        let given = &direction.back * covariance * direction.back.transpose();
+        given.diagonal().iter().map(|v| v.max(0.0).sqrt()).collect()
     }
 
     /// T(s), log det A(s) and A^-1 u.
@@ -245,6 +262,36 @@ impl Ground {
             .map(|(m, l)| s2 / (1.0 + s2 * l) * ga[m] * gb[m])
             .sum();
         a.dot(b) - lost
+    }
+
+    /// The scatter of largest restricted likelihood beside the fitted model.
+    pub(crate) fn likeliest_scatter(&self) -> f64 {
+        ScatterEvidence {
+            lambda: self.lambda.clone(),
+            score: self.turned.clone(),
+        }
+        .estimate()
+    }
+
+    /// V(s)^-1 y.
+    pub(crate) fn solved_residual(&self, scatter: f64) -> DVector<f64> {
+        let s2 = scatter * scatter;
+        let mut out = self.y.clone();
+        for (m, (l, t)) in self.lambda.iter().zip(&self.turned).enumerate() {
+            out.axpy(-s2 / (1.0 + s2 * l) * t, &self.gains.column(m), 1.0);
+        }
+        out
+    }
+
+    /// Half the trace of S'V(s)^-1 S after projection.
+    pub(crate) fn mean_power(&self, whitened: &DMatrix<f64>, scatter: f64) -> f64 {
+        let free = self.descatter(&self.project(whitened), scatter);
+        free.norm_squared() / whitened.ncols().max(1) as f64
+    }
+
+    /// Takes the model's directions out of a whitened vector.
+    pub(crate) fn project_vector(&self, whitened: &DVector<f64>) -> DVector<f64> {
+        whitened - &self.basis * self.basis.tr_mul(whitened)
     }
 
     /// Root of V(s)^-1 applied to projected columns, so that plain inner products hold afterwards.

@@ -1,3 +1,29 @@
 //! What a simulation gets wrong in a campaign, why, and what an extended model gains.
+//!
+//! The order is fixed: the noise first; a gate that asks whether there is any error beyond it; where the error sits;
+//! which cause of the catalogue explains it, or which set of causes the protocol cannot separate, or none; what the
+//! extended model gains on runs that it has not seen; and what to measure next. [`diagnose`] gives the answer as it
+//! stands in the JSON, [`diagnose_fully`] also the extended model and the curves.
 
+mod anatomy;
+pub mod answer;
+mod bench;
 pub mod causes;
+mod diagnose;
+mod equivalence;
+mod floor;
+mod general;
+mod ground;
+mod integrity;
+mod intervals;
+mod periodic;
+mod probability;
+mod samples;
+mod scan;
+mod selection;
+mod tail;
+
+pub use answer::{Design, Diagnosis, Finding, Status};
+pub use diagnose::{
+    Curves, Diagnosed, DiagnosisError, Options, default_law, diagnose, diagnose_fully,
+};

@@ -63,6 +63,44 @@ impl Family<'_> {
         a * a + b * b
     }
 
+    /// |S'g|^2 of all frequencies: within a stretch of them each sample's phase turns by a fixed angle a frequency.
+    fn powers(&self, count: usize, g: &DVector<f64>) -> Vec<f64> {
+        const STRETCH: usize = 64;
+        let x: Vec<f64> = self.envelope.iter().zip(g.iter()).map(|(e, g)| e * g).collect();
+        let turn: Vec<(f64, f64)> = self
+            .coordinate
+            .iter()
+            .map(|c| (std::f64::consts::TAU * self.spacing * c).sin_cos())
+            .collect();
+        let starts: Vec<usize> = (0..count).step_by(STRETCH).collect();
+        let stretches: Vec<Vec<f64>> = starts
+            .par_iter()
+            .map(|&start| {
+                let f = self.band.0 + self.spacing * start as f64;
+                let mut sin: Vec<f64> = Vec::with_capacity(x.len());
+                let mut cos: Vec<f64> = Vec::with_capacity(x.len());
+                for c in self.coordinate {
+                    let (s, c) = (std::f64::consts::TAU * f * c).sin_cos();
+                    sin.push(s);
+                    cos.push(c);
+                }
+                (start..(start + STRETCH).min(count))
+                    .map(|_| {
+                        let (mut a, mut b) = (0.0, 0.0);
+                        for i in 0..x.len() {
+                            a += x[i] * cos[i];
+                            b += x[i] * sin[i];
+                            let (s, c) = turn[i];
+                            (cos[i], sin[i]) = (cos[i] * c - sin[i] * s, sin[i] * c + cos[i] * s);
+                        }
+                        a * a + b * b
+                    })
+                    .collect()
+            })
+            .collect();
+        stretches.into_iter().flatten().collect()
+    }
+
     /// The strongest lines, strongest first. `variance(columns)` is half the trace of S'V^-1 S after projection.
     pub(crate) fn peaks(
         &self,
@@ -80,14 +118,14 @@ impl Family<'_> {
             .par_iter()
             .map(|&i| variance(&self.columns(at(i))).max(1e-300).ln())
             .collect();
+        let powers = self.powers(count, g);
         let values: Vec<f64> = (0..count)
-            .into_par_iter()
             .map(|i| {
                 let k = knots.partition_point(|&x| x <= i).clamp(1, knots.len() - 1);
                 let (a, b) = (knots[k - 1], knots[k]);
                 let w = (i as f64 - a as f64) / (b as f64 - a as f64);
                 let log_variance = known[k - 1] * (1.0 - w) + known[k] * w;
-                self.power(at(i), g) / log_variance.exp()
+                powers[i] / log_variance.exp()
             })
             .collect();
         let mut order: Vec<usize> = (0..count)

@@ -21,6 +21,8 @@ pub(crate) struct Samples {
     pub(crate) sliding: Vec<f64>,
     /// Normal load, N, or 1 where there is none.
     pub(crate) load: Vec<f64>,
+    /// +1 in forward motion, -1 in reverse; at rest by the run's direction.
+    heading: Vec<f64>,
     /// Recorded force, N.
     pub(crate) force: Vec<f64>,
     /// Temperature, degrees Celsius, where every run records it.
@@ -43,6 +45,7 @@ impl Samples {
             place: Vec::new(),
             sliding: Vec::new(),
             load: Vec::new(),
+            heading: Vec::new(),
             force: Vec::new(),
             temperature: campaign
                 .runs
@@ -74,6 +77,14 @@ impl Samples {
                     (None, Some(load)) if loaded => load,
                     _ => 1.0,
                 });
+                let v = run.velocity_m_s[i];
+                out.heading.push(if v != 0.0 {
+                    v.signum()
+                } else if run.direction == Direction::Reverse {
+                    -1.0
+                } else {
+                    1.0
+                });
                 out.force.push(run.force_n[i]);
                 if let (Some(all), Some(own)) = (&mut out.temperature, &run.temperature_c) {
                     all.push(own[i]);
@@ -88,20 +99,35 @@ impl Samples {
         self.time.len()
     }
 
-    /// +1 where the sample belongs to a forward motion, -1 in reverse, by the sign of the velocity, or at rest by the
-    /// run's direction.
-    pub(crate) fn heading(&self, campaign: &Campaign) -> Vec<f64> {
-        (0..self.len())
-            .map(|i| {
-                let v = self.velocity[i];
-                if v != 0.0 {
-                    v.signum()
-                } else if campaign.runs[self.owner[i]].direction == Direction::Reverse {
-                    -1.0
-                } else {
-                    1.0
-                }
-            })
-            .collect()
+    /// +1 in forward motion, -1 in reverse.
+    pub(crate) fn heading(&self) -> &[f64] {
+        &self.heading
+    }
+
+    /// The samples at these rows, run by run.
+    pub(crate) fn select(&self, runs: &[usize], rows: &[usize]) -> Self {
+        let pick = |x: &[f64]| rows.iter().map(|&i| x[i]).collect::<Vec<f64>>();
+        let mut ranges = Vec::with_capacity(runs.len());
+        let mut owner = Vec::with_capacity(rows.len());
+        let mut start = 0;
+        for (place, &k) in runs.iter().enumerate() {
+            let n = self.runs[k].len();
+            ranges.push(start..start + n);
+            owner.extend(std::iter::repeat_n(place, n));
+            start += n;
+        }
+        Self {
+            runs: ranges,
+            owner,
+            time: pick(&self.time),
+            velocity: pick(&self.velocity),
+            place: pick(&self.place),
+            sliding: pick(&self.sliding),
+            load: pick(&self.load),
+            heading: pick(&self.heading),
+            force: pick(&self.force),
+            temperature: self.temperature.as_deref().map(pick),
+            loaded: self.loaded,
+        }
     }
 }

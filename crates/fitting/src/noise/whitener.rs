@@ -5,6 +5,7 @@
 //! the gains as the first two factors leave them.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -22,14 +23,16 @@ pub(super) const NODES_PER_LENGTH: f64 = 3.0;
 const RUNS_TOGETHER: usize = 96;
 
 /// Whitening of residuals and Jacobians under a noise model.
+#[derive(Clone)]
 pub struct Whitener {
-    along: Along,
-    rotations: Option<Rotations>,
+    along: Arc<Along>,
+    rotations: Option<Arc<Rotations>>,
     scatter: Option<ScatterRoot>,
     log_det: f64,
 }
 
 /// Root of the scatter between runs.
+#[derive(Clone)]
 enum ScatterRoot {
     /// I - U diag(shrink) U', all runs together.
     Joint {
@@ -52,11 +55,11 @@ impl Whitener {
         let mut log_det = along.log_det;
         let rotations = (sizes.plate > 0.0).then(|| {
             let rows = Rows::new(context, sizes, &grid, &along);
-            Rotations::new(&rows, &grid, sizes)
+            Arc::new(Rotations::new(&rows, &grid, sizes))
         });
         log_det += rotations.as_ref().map_or(0.0, |r| r.log_det);
         let mut whitener = Self {
-            along,
+            along: Arc::new(along),
             rotations,
             scatter: None,
             log_det,
@@ -68,14 +71,15 @@ impl Whitener {
     }
 
     /// The same noise with another scatter between runs (zero: none).
-    pub fn with_scatter(mut self, context: &Context, scatter: f64) -> Self {
-        if let Some(old) = self.scatter.take() {
-            self.log_det -= old.log_det();
+    pub fn with_scatter(&self, context: &Context, scatter: f64) -> Self {
+        let mut other = self.clone();
+        if let Some(old) = other.scatter.take() {
+            other.log_det -= old.log_det();
         }
         if scatter > 0.0 {
-            self.add_scatter(context, scatter);
+            other.add_scatter(context, scatter);
         }
-        self
+        other
     }
 
     fn add_scatter(&mut self, context: &Context, scatter: f64) {

@@ -1,0 +1,416 @@
+//! The whole diagnosis in its fixed order: noise, gate, integrity, anatomy, causes, sets, gain, experiments.
+
+use campaign::Campaign;
+use friction::LawKind;
+use rig::{Experiment, ModelFile};
+
+use crate::answer::{
+    Baseline, Diagnosis, Estimate, Evidence, Finding, Hidden, LawFit, NoiseFloor, Rival, Status,
+    Unexplained,
+};
+use crate::anatomy::anatomy;
+use crate::bench::{Bench, Prior, Stand, Subset};
+use crate::causes;
+use crate::equivalence::{Contest, SEPARABLE, contest};
+use crate::floor;
+use crate::integrity::{Integrity, inspect};
+use crate::intervals;
+use crate::probability::weight_of_set;
+use crate::samples::Samples;
+use crate::selection::{ALPHA_GENERAL, ALPHA_NAME, Depth, Selected, select};
+use crate::tail::equivalent_z;
+
+/// What the reader asks.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// The law; by default the asymmetric bristle where the specimen has a layout, else LuGre.
+    pub law: Option<LawKind>,
+    /// A model identified elsewhere: its parameters are fixed (to within their covariance).
+    pub model: Option<ModelFile>,
+    /// Causes left out of the catalogue (a control: their effects must then be unexplained).
+    pub without: Vec<String>,
+    /// Leave the gain by folds out.
+    pub quick: bool,
+}
+
+/// Why no diagnosis can be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum DiagnosisError {
+    /// The campaign cannot be predicted.
+    #[error(transparent)]
+    Experiment(#[from] rig::ExperimentError),
+    /// The law does not go with the campaign.
+    #[error(transparent)]
+    Model(#[from] rig::ModelError),
+    /// The model file does not go with the question.
+    #[error("model file: {0}")]
+    ModelFile(String),
+    /// The law's prediction is not finite anywhere near the data.
+    #[error("law {0} cannot be fitted to this campaign at all: no start gives finite forces")]
+    NoFit(&'static str),
+}
+
+/// A diagnosis with what pages and model files need beside it.
+pub struct Diagnosed {
+    /// The answer.
+    pub answer: Diagnosis,
+    /// The extended model.
+    pub extension: ModelFile,
+    /// Curves for figures.
+    pub curves: Curves,
+}
+
+/// Stacked curves of all runs, in the unit of the record (N or N m).
+#[derive(Clone, Debug)]
+pub struct Curves {
+    /// Samples of each run.
+    pub runs: Vec<std::ops::Range<usize>>,
+    /// Names of the runs.
+    pub names: Vec<String>,
+    /// Time in the run, s.
+    pub time_s: Vec<f64>,
+    /// Velocity, m/s.
+    pub velocity_m_s: Vec<f64>,
+    /// Recorded force.
+    pub measured: Vec<f64>,
+    /// Law alone.
+    pub law: Vec<f64>,
+    /// Law with the named causes.
+    pub extended: Vec<f64>,
+    /// Half width of the 95 % noise band about a prediction.
+    pub band: Vec<f64>,
+}
+
+/// The law that is used where none is asked for.
+#[must_use]
+pub fn default_law(campaign: &Campaign) -> LawKind {
+    if campaign.specimen.layout.is_some() && campaign.specimen.contact_height_m.is_some() {
+        LawKind::AsymmetricBristle
+    } else {
+        LawKind::Lugre
+    }
+}
+
+/// Prepares the bench of a campaign and a question.
+pub(crate) fn bench<'a>(
+    campaign: &'a Campaign,
+    options: &Options,
+) -> Result<Bench<'a>, DiagnosisError> {
+    let law = match (&options.model, options.law) {
+        (Some(file), asked) => {
+            let own = file.law_kind().map_err(DiagnosisError::ModelFile)?;
+            if asked.is_some_and(|law| law != own) {
+                return Err(DiagnosisError::ModelFile(format!(
+                    "it holds law {}, --law asks for another",
+                    own.id()
+                )));
+            }
+            own
+        }
+        (None, Some(law)) => law,
+        (None, None) => default_law(campaign),
+    };
+    let experiment = Experiment::new(campaign)?;
+    rig::Model::new(law, Vec::new(), &experiment)?;
+    let prior = options
+        .model
+        .as_ref()
+        .map(|file| Prior::new(file, law).map_err(DiagnosisError::ModelFile))
+        .transpose()?;
+    let catalogue = causes::catalogue()
+        .into_iter()
+        .filter(|c| {
+            c.applies_to(law)
+                && c.lack(&experiment).is_none()
+                && !options.without.iter().any(|id| id == c.id())
+        })
+        .collect();
+    let stated_sensor = match (
+        campaign.rig.sensor_full_scale_n,
+        campaign.rig.sensor_accuracy_percent_fs,
+    ) {
+        (Some(full), Some(percent)) => Some(full * percent / 100.0),
+        _ => None,
+    };
+    Ok(Bench {
+        campaign,
+        samples: Samples::new(campaign),
+        experiment,
+        law,
+        catalogue,
+        prior,
+        stated_sensor,
+        repeats: campaign.conditions().iter().any(|c| c.len() > 1),
+    })
+}
+
+/// Diagnoses a campaign.
+///
+/// # Errors
+/// Where the question does not go with the campaign; everything that the data say, also that they say nothing, is an
+/// answer.
+pub fn diagnose(campaign: &Campaign, options: &Options) -> Result<Diagnosis, DiagnosisError> {
+    Ok(diagnose_fully(campaign, options)?.answer)
+}
+
+/// Diagnoses a campaign and keeps the extended model and the curves.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn diagnose_fully(
+    campaign: &Campaign,
+    options: &Options,
+) -> Result<Diagnosed, DiagnosisError> {
+    let bench = bench(campaign, options)?;
+    let subset = Subset::all(&bench);
+    let selected = select(&bench, &subset, Depth::Full, None)
+        .ok_or(DiagnosisError::NoFit(bench.law.id()))?;
+    let integrity = inspect(campaign, selected.stand.sizes.sensor);
+    let contests: Vec<Contest> = (0..selected.stand.fitted.effects.len())
+        .filter_map(|k| contest(&bench, &subset, &selected.stand, k))
+        .collect();
+    let answer = assemble(&bench, &subset, &selected, &contests, &integrity);
+    let extension = extension(&bench, &subset, &selected);
+    let curves = curves(&bench, &selected);
+    Ok(Diagnosed {
+        answer,
+        extension,
+        curves,
+    })
+}
+
+fn assemble(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    selected: &Selected,
+    contests: &[Contest],
+    integrity: &Integrity,
+) -> Diagnosis {
+    let noise_floor = floor::noise_floor(bench, selected);
+    let rmse = floor::rmse(bench, &selected.baseline.fitted.prediction, None);
+    let mut findings: Vec<Finding> = contests
+        .iter()
+        .enumerate()
+        .map(|(k, contest)| finding(bench, subset, selected, contest, k))
+        .collect();
+    // Finding order: what saves most comes first.
+    findings.sort_by(|a, b| {
+        b.evidence
+            .delta_log_likelihood
+            .total_cmp(&a.evidence.delta_log_likelihood)
+    });
+    findings.extend(integrity_findings(bench, integrity));
+    let gate = selected.gate_log_p < (ALPHA_NAME + ALPHA_GENERAL).ln();
+    let detected = gate && selected.left.log_p < ALPHA_GENERAL.ln();
+    let status = if detected {
+        Status::Unexplained
+    } else if findings.iter().any(|f| !f.equivalent.is_empty()) {
+        Status::Ambiguous
+    } else if findings.is_empty() {
+        Status::Consistent
+    } else {
+        Status::Explained
+    };
+    let explainable = if rmse > noise_floor.rmse && status != Status::Consistent {
+        1.0 - (noise_floor.rmse / rmse).powi(2)
+    } else {
+        0.0
+    };
+    let residual: Vec<f64> = bench
+        .samples
+        .force
+        .iter()
+        .zip(&selected.baseline.fitted.prediction)
+        .zip(&bench.samples.load)
+        .map(|((m, p), n)| if bench.samples.loaded && *n > 0.0 { (m - p) / n } else { m - p })
+        .collect();
+    Diagnosis {
+        schema: "bristle/diagnosis/1".into(),
+        campaign: bench.campaign.name.clone(),
+        law: bench.law.id().into(),
+        status,
+        baseline: Baseline {
+            rmse,
+            held_out_rmse: None,
+            explainable_fraction: explainable,
+        },
+        anatomy: anatomy(
+            &bench.samples,
+            &residual,
+            noise_floor.rmse,
+            selected.stand.sizes.length,
+        ),
+        noise_floor,
+        findings,
+        unexplained: Unexplained {
+            detected,
+            r#where: if detected { selected.left.place.clone() } else { None },
+            z: equivalent_z(selected.left.log_p),
+        },
+        undecidable: Vec::new(),
+        laws: Vec::<LawFit>::new(),
+        hidden: hidden(bench, selected),
+        gain: None,
+        notes: Vec::new(),
+    }
+}
+
+/// A named cause as it stands in the answer.
+fn finding(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    selected: &Selected,
+    contest: &Contest,
+    k: usize,
+) -> Finding {
+    let own = selected.stand.fitted.effects[k];
+    let cause = &bench.catalogue[own];
+    let mut equivalent: Vec<String> = contest
+        .opponents
+        .iter()
+        .filter(|o| o.separation < SEPARABLE)
+        .map(|o| bench.catalogue[o.cause].id().to_owned())
+        .collect();
+    equivalent.sort();
+    equivalent.dedup();
+    let mut rivals: Vec<Rival> = contest
+        .opponents
+        .iter()
+        .map(|o| Rival {
+            cause: bench.catalogue[o.cause].id().to_owned(),
+            delta: if o.excess_deviance.is_finite() {
+                -0.5 * o.excess_deviance
+            } else {
+                -0.5 * o.separation * o.separation
+            },
+            separation: Some(o.separation),
+        })
+        .collect();
+    rivals.sort_by(|a, b| b.delta.total_cmp(&a.delta).then(a.cause.cmp(&b.cause)));
+    rivals.truncate(8);
+    let log_p = selected.entry_log_p.get(k).copied().unwrap_or(0.0);
+    Finding {
+        cause: cause.id().into(),
+        station: cause.station().id().into(),
+        probability: weight_of_set(bench, contest, own, &equivalent),
+        equivalent,
+        parameters: intervals::estimates(bench, subset, &selected.stand, k),
+        gain: None,
+        evidence: Evidence {
+            delta_log_likelihood: 0.5 * contest.saved,
+            z: equivalent_z(log_p),
+            rivals,
+        },
+        experiment: None,
+    }
+}
+
+/// Findings that the numbers themselves show.
+fn integrity_findings(bench: &Bench<'_>, integrity: &Integrity) -> Vec<Finding> {
+    let rotary = bench.experiment.axis == campaign::Axis::Rotary;
+    let unit = if rotary { "N m" } else { "N" };
+    [
+        ("force-saturation", "level_n", integrity.saturation),
+        ("force-resolution", "step_n", integrity.resolution),
+    ]
+    .into_iter()
+    .filter_map(|(cause, name, value)| {
+        let value = value?;
+        bench.catalogue.iter().any(|c| c.id() == cause).then(|| Finding {
+            cause: cause.into(),
+            station: "sensor".into(),
+            equivalent: Vec::new(),
+            probability: 0.999,
+            parameters: vec![Estimate {
+                name: name.into(),
+                value,
+                ci95: Some([value, value]),
+                unit: unit.into(),
+            }],
+            gain: None,
+            evidence: Evidence {
+                delta_log_likelihood: 0.0,
+                z: 0.0,
+                rivals: Vec::new(),
+            },
+            experiment: None,
+        })
+    })
+    .collect()
+}
+
+/// How large an effect of each cause could have hidden: the size found with 90 % power.
+fn hidden(bench: &Bench<'_>, selected: &Selected) -> Vec<Hidden> {
+    let threshold = equivalent_z((ALPHA_NAME / selected.first.asked.max(1) as f64).ln()) + 1.2816;
+    selected
+        .first
+        .candidates
+        .iter()
+        .map(|c| {
+            let cause = &bench.catalogue[c.cause];
+            let first = cause.sizes()[0];
+            let spec = &cause.parameters_for(&bench.experiment)[first];
+            let sd = c.score.sd.first().copied().unwrap_or(f64::INFINITY);
+            Hidden {
+                cause: cause.id().into(),
+                parameter: spec.name.to_string(),
+                size: Some(threshold * sd * c.unit).filter(|s| s.is_finite()),
+                unit: spec.unit.to_string(),
+            }
+        })
+        .collect()
+}
+
+/// The extended model as a file.
+fn extension(bench: &Bench<'_>, subset: &Subset, selected: &Selected) -> ModelFile {
+    let stand: &Stand = &selected.stand;
+    let law = stand.fitted.model.law_parameters();
+    let covariance = intervals::covariance(stand);
+    let place = |p: usize| stand.columns.iter().position(|&c| c == p);
+    let entry = |i: usize, j: usize| match (place(i), place(j), &covariance) {
+        (Some(a), Some(b), Some(c)) => c[(a, b)],
+        _ => 0.0,
+    };
+    let sd: Vec<f64> = (0..law).map(|i| entry(i, i).max(0.0).sqrt()).collect();
+    let mut file = ModelFile::new(bench.law, &stand.fitted.parameters[..law], Some(&sd));
+    let fastest = bench.samples.velocity.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    file.valid_speed_m_s = Some([0.0, fastest]);
+    file.covariance = covariance.as_ref().map(|_| {
+        (0..law)
+            .map(|i| (0..law).map(|j| entry(i, j)).collect())
+            .collect()
+    });
+    for k in 0..stand.fitted.effects.len() {
+        let span = stand.fitted.model.span(k);
+        let own: Vec<Vec<f64>> = span
+            .clone()
+            .map(|i| span.clone().map(|j| entry(i, j)).collect())
+            .collect();
+        file.extension.push(ModelFile::extension_entry(
+            bench.catalogue[stand.fitted.effects[k]].as_ref(),
+            &stand.fitted.parameters[span],
+            covariance.as_ref().map(|_| own.as_slice()),
+        ));
+    }
+    let _ = subset;
+    file
+}
+
+fn curves(bench: &Bench<'_>, selected: &Selected) -> Curves {
+    let s = selected.stand.sizes;
+    let relative = s.private.powi(2) + s.plate.powi(2) + s.scatter.powi(2);
+    let extended = selected.stand.fitted.prediction.clone();
+    Curves {
+        runs: bench.samples.runs.clone(),
+        names: bench.campaign.runs.iter().map(|r| r.name.clone()).collect(),
+        time_s: bench.samples.time.clone(),
+        velocity_m_s: bench.samples.velocity.clone(),
+        measured: bench.samples.force.clone(),
+        law: selected.baseline.fitted.prediction.clone(),
+        band: extended
+            .iter()
+            .map(|f| 1.96 * (s.sensor * s.sensor + relative * f * f).sqrt())
+            .collect(),
+        extended,
+    }
+}

@@ -1,0 +1,231 @@
+//! What the protocol cannot separate: for a named cause, every cause whose best imitation of the fitted effect stays
+//! within reach of the noise.
+//!
+//! With d the fitted effect, whitened and cleared of what the law and the other named causes absorb, and S_r a rival's
+//! directions in the same coordinates,
+//!
+//! ```text
+//! D_r = min over sizes and shapes |d - S_r a| = |d| sqrt(1 - cos^2)                                        (D3)
+//! ```
+//!
+//! A rival with D_r below 4.7 (d' sqrt(1 - cos^2) < 4.7: two hypotheses told apart in 99 % of cases, 27 causes
+//! compared) belongs to the set. Rivals near the limit are fitted to the effect without linearising. Sizes keep their
+//! physical sign: a lag is not the opposite of another.
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use crate::bench::{Bench, Fitted, Stand, Subset};
+use crate::ground::{Ground, orthonormal};
+use crate::scan::{Ray, Scan, extended, scan};
+use crate::selection::without;
+
+/// Distance below which no test separates two causes.
+pub(crate) const SEPARABLE: f64 = 4.7;
+/// Rivals with linear distances up to this are fitted to the effect.
+const NEAR: f64 = 8.0;
+
+/// A rival of a named cause.
+#[derive(Clone, Debug)]
+pub(crate) struct Opponent {
+    pub(crate) cause: usize,
+    /// D_r of (D3).
+    pub(crate) separation: f64,
+    /// -2 log likelihood of the campaign with the rival in the cause's place less that with the cause.
+    pub(crate) excess_deviance: f64,
+    /// The fit with the rival, where one was made.
+    pub(crate) fitted: Option<Fitted>,
+}
+
+/// A named cause against the catalogue.
+pub(crate) struct Contest {
+    /// Length of the effect in the noise's units, d'.
+    pub(crate) length: f64,
+    /// Deviance that the cause saves when it comes last.
+    pub(crate) saved: f64,
+    /// Rivals, nearest first.
+    pub(crate) opponents: Vec<Opponent>,
+    /// Scan beside the model without the cause.
+    pub(crate) scan: Scan,
+}
+
+/// Sets the k-th effect of a fitted model against all other causes.
+pub(crate) fn contest(bench: &Bench<'_>, subset: &Subset, stand: &Stand, k: usize) -> Option<Contest> {
+    let full = &stand.fitted;
+    let scatter = stand.ground.likeliest_scatter();
+    let rest: Vec<usize> = (0..full.effects.len())
+        .filter(|&j| j != k)
+        .map(|j| full.effects[j])
+        .collect();
+    let model = bench.model(&rest)?;
+    let parameters = without(full, k);
+    let prediction = model.predict(&bench.experiment, &parameters);
+    let bare = Fitted {
+        effects: rest,
+        model,
+        parameters,
+        prediction,
+        cost: f64::INFINITY,
+        converged: full.converged,
+    };
+    let beside = Stand::new(bench, subset, bare, stand.sizes);
+    let found = scan(bench, subset, &beside, scatter);
+    let effect = DMatrix::from_iterator(
+        bench.samples.len(),
+        1,
+        full.prediction
+            .iter()
+            .zip(&beside.fitted.prediction)
+            .map(|(a, b)| a - b),
+    );
+    let white = beside.whiten(subset, &effect);
+    let projected = beside.ground.project_vector(&white.column(0).into_owned());
+    let length = beside.ground.distance(&projected, scatter);
+    let own = full.effects[k];
+    let mut opponents: Vec<Opponent> = Vec::new();
+    for candidate in &found.candidates {
+        if bench.catalogue[candidate.cause].id() == bench.catalogue[own].id() {
+            continue;
+        }
+        let separation = nearest(bench, &beside.ground, &found.rays, candidate.cause, &projected, scatter)
+            .unwrap_or(length);
+        opponents.push(Opponent {
+            cause: candidate.cause,
+            separation,
+            excess_deviance: f64::INFINITY,
+            fitted: None,
+        });
+    }
+    let context = subset.context(bench, &full.prediction);
+    let whitener = stand.whitener.with_scatter(&context, scatter);
+    let checked: Vec<Opponent> = opponents
+        .into_par_iter()
+        .map(|mut opponent| {
+            if opponent.separation > NEAR.max(0.5 * length) {
+                return opponent;
+            }
+            let Some(candidate) = found.candidates.iter().find(|c| c.cause == opponent.cause) else {
+                return opponent;
+            };
+            imitate(bench, subset, stand, &beside, candidate, &whitener, &mut opponent);
+            opponent
+        })
+        .collect();
+    let mut opponents = checked;
+    opponents.sort_by(|a, b| {
+        a.separation
+            .total_cmp(&b.separation)
+            .then(a.cause.cmp(&b.cause))
+    });
+    let start = beside.fitted.parameters.clone();
+    let saved = bench
+        .fit(subset, &beside.fitted.effects, &start, &whitener, None, 20)
+        .map_or(length * length, |fit| stand.deviance_of(bench, subset, &fit) - stand.deviance);
+    Some(Contest {
+        length,
+        saved,
+        opponents,
+        scan: found,
+    })
+}
+
+/// Fits the rival to the data and, from there, to the noise-free effect.
+fn imitate(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    beside: &Stand,
+    candidate: &crate::scan::Candidate,
+    whitener: &fitting::noise::Whitener,
+    opponent: &mut Opponent,
+) {
+    let mut effects = beside.fitted.effects.clone();
+    effects.push(candidate.cause);
+    let mut best: Option<(Fitted, f64)> = None;
+    for own in candidate.starts.iter().take(2) {
+        let Some((_, start)) = extended(bench, &beside.fitted, candidate.cause, own) else {
+            continue;
+        };
+        let Some(fit) = bench.fit(subset, &effects, &start, whitener, None, 15) else {
+            continue;
+        };
+        let deviance = stand.deviance_of(bench, subset, &fit);
+        if best.as_ref().is_none_or(|b| deviance < b.1) {
+            best = Some((fit, deviance));
+        }
+    }
+    let Some((fit, deviance)) = best else { return };
+    opponent.excess_deviance = deviance - stand.deviance;
+    // Noise-free: the rival fitted to what the named model predicts.
+    if let Some(copy) = bench.fit(
+        subset,
+        &effects,
+        &fit.parameters,
+        whitener,
+        Some(&stand.fitted.prediction),
+        15,
+    ) {
+        let exact = (2.0 * copy.cost).max(0.0).sqrt();
+        opponent.separation = if copy.converged {
+            exact
+        } else {
+            exact.min(opponent.separation)
+        };
+    }
+    opponent.fitted = Some(fit);
+}
+
+/// The smallest distance (D3) over a rival's rays.
+fn nearest(
+    bench: &Bench<'_>,
+    ground: &Ground,
+    rays: &[Ray],
+    cause: usize,
+    effect: &DVector<f64>,
+    scatter: f64,
+) -> Option<f64> {
+    let n = effect.len();
+    let flat = ground.descatter(&DMatrix::from_column_slice(n, 1, effect.as_slice()), scatter);
+    let flat: DVector<f64> = flat.column(0).into_owned();
+    rays.iter()
+        .filter(|ray| ray.cause == cause)
+        .map(|ray| {
+            let (basis, back) =
+                orthonormal(&ground.descatter(&ray.direction.columns, scatter), 1e-6);
+            let along = basis.tr_mul(&flat);
+            if basis.ncols() == 1 && !ray.admits(bench, (back[(0, 0)] * along[0]).signum()) {
+                return flat.norm();
+            }
+            (flat.norm_squared() - along.norm_squared()).max(0.0).sqrt()
+        })
+        .min_by(f64::total_cmp)
+}
+
+/// Sine of the angle between two causes' nearest rays.
+pub(crate) fn sine(ground: &Ground, rays: &[Ray], a: usize, b: usize, scatter: f64) -> Option<f64> {
+    let flat = |cause: usize| -> Vec<DMatrix<f64>> {
+        rays.iter()
+            .filter(|r| r.cause == cause)
+            .map(|r| orthonormal(&ground.descatter(&r.direction.columns, scatter), 1e-6).0)
+            .filter(|m| m.ncols() > 0)
+            .collect()
+    };
+    let (left, right) = (flat(a), flat(b));
+    let mut best: Option<f64> = None;
+    for x in &left {
+        for y in &right {
+            let cosine = x
+                .tr_mul(y)
+                .singular_values()
+                .iter()
+                .copied()
+                .fold(0.0_f64, f64::max)
+                .min(1.0);
+            let sine = (1.0 - cosine * cosine).sqrt();
+            if best.is_none_or(|s| sine < s) {
+                best = Some(sine);
+            }
+        }
+    }
+    best
+}

@@ -1,0 +1,89 @@
+//! Errors in the unit in which they are stated, and the floor below which they cannot fall.
+
+use crate::answer::NoiseFloor;
+use crate::bench::Bench;
+use crate::selection::Selected;
+
+/// Unit of errors: a coefficient where every run has a load, else newtons or newton metres.
+pub(crate) fn unit(bench: &Bench<'_>) -> &'static str {
+    if bench.samples.loaded {
+        "1"
+    } else if bench.experiment.axis == campaign::Axis::Rotary {
+        "N m"
+    } else {
+        "N"
+    }
+}
+
+/// Root mean square of (measured - prediction), in mu where there is a load; over the given runs, or all.
+pub(crate) fn rmse(bench: &Bench<'_>, prediction: &[f64], runs: Option<&[usize]>) -> f64 {
+    let (sum, count) = squares(bench, prediction, runs);
+    (sum / count.max(1.0)).sqrt()
+}
+
+/// Sum of squared errors and number of samples; samples without contact do not count.
+pub(crate) fn squares(bench: &Bench<'_>, prediction: &[f64], runs: Option<&[usize]>) -> (f64, f64) {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for i in 0..prediction.len() {
+        if runs.is_some_and(|r| !r.contains(&bench.samples.owner[i])) {
+            continue;
+        }
+        let load = bench.samples.load[i];
+        if bench.samples.loaded && !(load > 0.0) {
+            continue;
+        }
+        sum += ((bench.samples.force[i] - prediction[i]) / load).powi(2);
+        count += 1.0;
+    }
+    (sum, count)
+}
+
+/// The floor: within repeats where there are some, else by the noise model without what the plate repeats.
+pub(crate) fn noise_floor(bench: &Bench<'_>, selected: &Selected) -> NoiseFloor {
+    let sizes = selected.stand.sizes;
+    let measured = identification::repeat_floor(bench.campaign);
+    let prediction = &selected.stand.fitted.prediction;
+    let n = prediction.len() as f64;
+    let relative = sizes.private.powi(2) + sizes.scatter.powi(2);
+    let modelled = (prediction
+        .iter()
+        .zip(&bench.samples.load)
+        .map(|(f, load)| {
+            let unit = if bench.samples.loaded && *load > 0.0 { *load } else { 1.0 };
+            (sizes.sensor.powi(2) + relative * f * f) / (unit * unit)
+        })
+        .sum::<f64>()
+        / n)
+        .sqrt();
+    let mut caveats = Vec::new();
+    if measured.is_none() {
+        caveats.push(
+            "no condition was repeated: the floor is that of the noise model, and the scatter between runs rests on \
+             the law being right"
+                .to_owned(),
+        );
+        if bench.stated_sensor.is_none() {
+            caveats.push("the sensor's accuracy is not stated".to_owned());
+        }
+    }
+    if selected.stand.ground.scatter_freedom() < 3 {
+        caveats.push(format!(
+            "the scatter between runs is known from {} degrees of freedom only",
+            selected.stand.ground.scatter_freedom()
+        ));
+    }
+    if sizes.plate == 0.0 {
+        caveats.push("no roughness fixed to the plate was seen, or no two runs pass the same place".to_owned());
+    }
+    NoiseFloor {
+        rmse: measured.unwrap_or(modelled),
+        unit: unit(bench).into(),
+        source: if measured.is_some() { "repeats" } else { "model" }.into(),
+        sensor: sizes.sensor,
+        roughness_private: sizes.private,
+        roughness_plate: sizes.plate,
+        roughness_length: sizes.length,
+        scatter: sizes.scatter,
+        caveats,
+    }
+}

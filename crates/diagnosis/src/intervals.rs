@@ -1,0 +1,97 @@
+//! Intervals of a named cause's parameters.
+//!
+//! Covariance (J'V(s)^-1 J)^-1 with the likeliest scatter s; because s is known from few runs, the quantile is Student's
+//! with nu / share^2 degrees of freedom, share being the part of the parameter's variance that the scatter makes
+//! (Satterthwaite).
+
+use nalgebra::{DMatrix, DVector};
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use crate::answer::Estimate;
+use crate::bench::{Bench, Stand, Subset};
+use crate::ground::orthonormal;
+
+/// Covariance of the movable parameters at the likeliest scatter; `None` where the data leave a direction open.
+pub(crate) fn covariance(stand: &Stand) -> Option<DMatrix<f64>> {
+    covariance_at(stand, stand.sizes.scatter)
+}
+
+fn covariance_at(stand: &Stand, scatter: f64) -> Option<DMatrix<f64>> {
+    let whole = stand.white_descattered(scatter);
+    let (basis, back) = orthonormal(&whole, 1e-10);
+    // Columns that are dropped (a parameter without influence) get no row: their variance is not known.
+    (basis.ncols() == whole.ncols()).then(|| &back * back.transpose())
+}
+
+/// Reported parameters of the k-th effect with their 95 % intervals.
+pub(crate) fn estimates(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    k: usize,
+) -> Vec<Estimate> {
+    let span = stand.fitted.model.span(k);
+    let own = &stand.fitted.parameters[span.clone()];
+    let cause = &bench.catalogue[stand.fitted.effects[k]];
+    let with = covariance_at(stand, stand.sizes.scatter);
+    let without = covariance_at(stand, 0.0);
+    let places: Vec<Option<usize>> = span
+        .map(|p| stand.columns.iter().position(|&c| c == p))
+        .collect();
+    let freedom = stand.ground.scatter_freedom().max(1) as f64;
+    let _ = subset;
+    let rotary = bench.experiment.axis == campaign::Axis::Rotary;
+    cause
+        .reported(own)
+        .into_iter()
+        .map(|reported| {
+            let g = DVector::from_vec(reported.gradient.clone());
+            let variance = |c: &Option<DMatrix<f64>>| -> Option<f64> {
+                let c = c.as_ref()?;
+                let mut v = 0.0;
+                for (i, a) in places.iter().enumerate() {
+                    for (j, b) in places.iter().enumerate() {
+                        v += g[i] * g[j] * c[((*a)?, (*b)?)];
+                    }
+                }
+                Some(v)
+            };
+            let ci95 = match (variance(&with), variance(&without)) {
+                (Some(v), Some(v0)) if v > 0.0 => {
+                    let share = ((v - v0) / v).clamp(1e-3, 1.0);
+                    let t = student(freedom / (share * share));
+                    let half = t * v.sqrt();
+                    Some([reported.value - half, reported.value + half])
+                }
+                _ => None,
+            };
+            Estimate {
+                name: reported.name.into(),
+                value: reported.value,
+                ci95,
+                unit: if rotary { rotary_unit(reported.unit) } else { reported.unit.into() },
+            }
+        })
+        .collect()
+}
+
+/// The 97.5 % quantile of Student's t.
+pub(crate) fn student(freedom: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, freedom.clamp(1.0, 1e6)).map_or(1.96, |t| t.inverse_cdf(0.975))
+}
+
+/// Units of a linear rig read on a rotary one.
+fn rotary_unit(unit: &str) -> String {
+    unit.split(' ')
+        .map(|part| match part {
+            "N" => "N m",
+            "m" => "rad",
+            "kg" => "kg m^2",
+            "m/N" => "rad/(N m)",
+            "1/m" => "1/rad",
+            "N/s" => "N m/s",
+            other => other,
+        })
+        .collect::<Vec<_>>()
+        .join(" ")
+}

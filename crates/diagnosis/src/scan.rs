@@ -1,0 +1,459 @@
+//! The scan: every cause of the catalogue asked, by a score test, whether it is seen beside the fitted model.
+//!
+//! A cause's signature is the derivative of the prediction with respect to its sizes at zero, for every shape (time
+//! constant, wavelength) on a grid, and, because some causes are far from linear, the chord to a plausible size. All
+//! shapes of a cause pay together for the search by the length of the path that their signatures draw.
+
+use fitting::noise::Sizes;
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+use rig::Model;
+
+use crate::bench::{Bench, Fitted, Stand, Subset};
+use crate::ground::{Direction, Score, angle, look_elsewhere};
+use crate::periodic::Family;
+
+/// A cause with the shape at which it scores best.
+#[derive(Clone)]
+pub(crate) struct Candidate {
+    /// Place in the catalogue.
+    pub(crate) cause: usize,
+    /// Parameters of the cause from which a joint fit starts, best first.
+    pub(crate) starts: Vec<Vec<f64>>,
+    pub(crate) score: Score,
+    /// Logarithm of the tail probability, the search over shapes paid for.
+    pub(crate) log_p: f64,
+    /// Share of the signature's length that the model does not absorb.
+    pub(crate) kept: f64,
+    /// Size of the first size parameter for one unit of the score's coefficients.
+    pub(crate) unit: f64,
+}
+
+/// One signature of a cause, all samples.
+struct Signature {
+    cause: usize,
+    /// Cause's parameters at which it was taken.
+    at: Vec<f64>,
+    /// Raw columns.
+    columns: DMatrix<f64>,
+    /// Size that one unit of the first column stands for, where it is a chord.
+    chord: Option<Vec<f64>>,
+}
+
+/// A cause's signature, whitened and projected.
+pub(crate) struct Ray {
+    pub(crate) cause: usize,
+    at: Vec<f64>,
+    chord: Option<Vec<f64>>,
+    pub(crate) direction: Direction,
+}
+
+impl Ray {
+    /// Whether the bounds of the cause allow a size of this sign along the ray.
+    pub(crate) fn admits(&self, bench: &Bench<'_>, sign: f64) -> bool {
+        if self.chord.is_some() {
+            return sign > 0.0;
+        }
+        let effect = &bench.catalogue[self.cause];
+        let specs = effect.parameters_for(&bench.experiment);
+        match effect.sizes() {
+            [only] => {
+                if sign > 0.0 {
+                    specs[*only].upper > 0.0
+                } else {
+                    specs[*only].lower < 0.0
+                }
+            }
+            _ => true,
+        }
+    }
+
+    /// Reported size of the first size parameter for one unit along the ray.
+    pub(crate) fn unit_size(&self, bench: &Bench<'_>) -> f64 {
+        let first = bench.catalogue[self.cause].sizes()[0];
+        self.chord.as_ref().map_or(1.0, |c| c[first])
+    }
+}
+
+/// What a scan found.
+pub(crate) struct Scan {
+    /// One entry a cause, smallest tail probability first.
+    pub(crate) candidates: Vec<Candidate>,
+    /// All rays, for separations.
+    pub(crate) rays: Vec<Ray>,
+    /// Number of different causes that were asked.
+    pub(crate) asked: usize,
+    /// Raw columns of the causes without a period, for the noise's mean.
+    pub(crate) smooth: DMatrix<f64>,
+    /// Causes whose signature the law absorbs.
+    pub(crate) absorbed: Vec<usize>,
+    /// Sizes of the noise under which it was made.
+    pub(crate) sizes: Option<Sizes>,
+}
+
+impl Scan {
+    /// A scan that asks nothing.
+    pub(crate) fn empty(bench: &Bench<'_>, sizes: Option<Sizes>) -> Self {
+        Self {
+            candidates: Vec::new(),
+            rays: Vec::new(),
+            asked: 0,
+            smooth: DMatrix::zeros(bench.samples.len(), 0),
+            absorbed: Vec::new(),
+            sizes,
+        }
+    }
+}
+
+/// The model of a fit with one more cause, and the parameters with the cause at `own`.
+pub(crate) fn extended(
+    bench: &Bench<'_>,
+    fitted: &Fitted,
+    cause: usize,
+    own: &[f64],
+) -> Option<(Model, Vec<f64>)> {
+    let mut effects = fitted.effects.clone();
+    effects.push(cause);
+    let model = bench.model(&effects)?;
+    let end = fitted.model.initial_states().start;
+    let mut p = fitted.parameters[..end].to_vec();
+    p.extend_from_slice(own);
+    p.extend_from_slice(&fitted.parameters[end..]);
+    Some((model, p))
+}
+
+/// Signature of a cause at given shape (its sizes at zero).
+fn tangent(bench: &Bench<'_>, fitted: &Fitted, cause: usize, at: &[f64]) -> Option<Signature> {
+    let (model, p) = extended(bench, fitted, cause, at)?;
+    let first = fitted.model.initial_states().start;
+    let columns: Vec<usize> = bench.catalogue[cause]
+        .sizes()
+        .iter()
+        .map(|i| first + i)
+        .collect();
+    let (_, jacobian) = model.predict_with_jacobian(&bench.experiment, &p, Some(&columns));
+    jacobian.iter().all(|x| x.is_finite()).then_some(Signature {
+        cause,
+        at: at.to_vec(),
+        columns: jacobian,
+        chord: None,
+    })
+}
+
+/// The chord from the fit to a plausible size of a cause.
+fn chord(bench: &Bench<'_>, fitted: &Fitted, cause: usize, at: &[f64]) -> Option<Signature> {
+    let (model, p) = extended(bench, fitted, cause, at)?;
+    let there = model.predict(&bench.experiment, &p);
+    let columns = DMatrix::from_iterator(
+        there.len(),
+        1,
+        there.iter().zip(&fitted.prediction).map(|(a, b)| a - b),
+    );
+    columns.iter().all(|x| x.is_finite()).then_some(Signature {
+        cause,
+        at: at.to_vec(),
+        columns,
+        chord: Some(at.to_vec()),
+    })
+}
+
+/// Chords of a cause that is not periodic: at most this many.
+const MOST_CHORDS: usize = 8;
+/// Shapes of a cause: at most this many tangents.
+const MOST_SHAPES: usize = 16;
+
+/// Index of a periodic cause's shape parameter, and whether its period is in time.
+fn period(bench: &Bench<'_>, cause: usize) -> Option<(usize, bool)> {
+    let effect = &bench.catalogue[cause];
+    let specs = effect.parameters_for(&bench.experiment);
+    let shape = (0..specs.len()).find(|i| !effect.sizes().contains(i))?;
+    Some((shape, specs[shape].name.ends_with("_hz")))
+}
+
+/// Scans the catalogue beside a fitted model; causes in the model are left out.
+pub(crate) fn scan(bench: &Bench<'_>, subset: &Subset, stand: &Stand, scatter: f64) -> Scan {
+    let fitted = &stand.fitted;
+    let mut tasks: Vec<(usize, Vec<f64>, bool)> = Vec::new();
+    let mut paths: Vec<f64> = vec![0.0; bench.catalogue.len()];
+    let peaks = Peaks::find(bench, subset, stand, scatter);
+    for cause in 0..bench.catalogue.len() {
+        let effect = &bench.catalogue[cause];
+        if fitted.effects.contains(&cause) || effect.is_data_integrity() {
+            continue;
+        }
+        if effect.is_periodic() {
+            let Some((shape, in_time)) = period(bench, cause) else {
+                continue;
+            };
+            let specs = effect.parameters_for(&bench.experiment);
+            paths[cause] = peaks.path(in_time);
+            for frequency in peaks.of(in_time) {
+                let value = if in_time { frequency } else { 1.0 / frequency };
+                if specs[shape].admits(value) {
+                    let mut at = vec![0.0; specs.len()];
+                    at[shape] = value;
+                    tasks.push((cause, at, false));
+                }
+            }
+            continue;
+        }
+        for at in effect.shape_grid(&bench.experiment).into_iter().take(MOST_SHAPES) {
+            tasks.push((cause, at, false));
+        }
+        for at in effect.starts(&bench.experiment).into_iter().take(MOST_CHORDS) {
+            tasks.push((cause, at, true));
+        }
+    }
+    let signatures: Vec<Option<Signature>> = tasks
+        .par_iter()
+        .map(|(cause, at, is_chord)| {
+            if *is_chord {
+                chord(bench, fitted, *cause, at)
+            } else {
+                tangent(bench, fitted, *cause, at)
+            }
+        })
+        .collect();
+    let signatures: Vec<Signature> = signatures.into_iter().flatten().collect();
+    let smooth = smooth_columns(bench, &signatures);
+    let rays: Vec<Option<(Ray, Score)>> = signatures
+        .into_par_iter()
+        .map(|signature| {
+            let white = stand.whiten(subset, &signature.columns);
+            let direction = stand.ground.direction(&white)?;
+            let score = stand.ground.score(&direction);
+            Some((
+                Ray {
+                    cause: signature.cause,
+                    at: signature.at,
+                    chord: signature.chord,
+                    direction,
+                },
+                score,
+            ))
+        })
+        .collect();
+    let rays: Vec<(Ray, Score)> = rays.into_iter().flatten().collect();
+    let mut found = collect(bench, rays, &tasks, &paths, smooth);
+    found.sizes = Some(stand.sizes);
+    found
+}
+
+/// Best ray of each cause, with its path paid for.
+fn collect(
+    bench: &Bench<'_>,
+    rays: Vec<(Ray, Score)>,
+    tasks: &[(usize, Vec<f64>, bool)],
+    paths: &[f64],
+    smooth: DMatrix<f64>,
+) -> Scan {
+    let mut asked: Vec<usize> = tasks.iter().map(|t| t.0).collect();
+    asked.dedup();
+    let mut candidates = Vec::new();
+    let mut absorbed = Vec::new();
+    for &cause in &asked {
+        let mut own: Vec<usize> = (0..rays.len()).filter(|&i| rays[i].0.cause == cause).collect();
+        let tangents: Vec<usize> = own.iter().copied().filter(|&i| rays[i].0.chord.is_none()).collect();
+        if own.is_empty() {
+            if !bench.catalogue[cause].is_periodic() {
+                absorbed.push(cause);
+            }
+            continue;
+        }
+        let path = if bench.catalogue[cause].is_periodic() {
+            paths[cause]
+        } else {
+            let chords: Vec<usize> = own.iter().copied().filter(|&i| rays[i].0.chord.is_some()).collect();
+            [tangents, chords]
+                .iter()
+                .flat_map(|family| family.windows(2))
+                .map(|w| angle(&rays[w[0]].0.direction.columns, &rays[w[1]].0.direction.columns))
+                .sum()
+        };
+        own.sort_by(|&a, &b| rays[a].1.log_p.total_cmp(&rays[b].1.log_p));
+        let best = &rays[own[0]];
+        let starts = own
+            .iter()
+            .take(3)
+            .map(|&i| start_from(bench, &rays[i].0, &rays[i].1))
+            .collect();
+        candidates.push(Candidate {
+            cause,
+            starts,
+            log_p: look_elsewhere(&best.1, path),
+            kept: best.0.direction.kept,
+            unit: best.0.unit_size(bench).abs(),
+            score: best.1.clone(),
+        });
+    }
+    candidates.sort_by(|a, b| a.log_p.total_cmp(&b.log_p).then(a.cause.cmp(&b.cause)));
+    let mut ids: Vec<&str> = asked.iter().map(|&c| bench.catalogue[c].id()).collect();
+    ids.sort_unstable();
+    ids.dedup();
+    Scan {
+        candidates,
+        asked: ids.len(),
+        rays: rays.into_iter().map(|r| r.0).collect(),
+        smooth,
+        absorbed,
+        sizes: None,
+    }
+}
+
+/// Parameters of a cause at a ray's estimated size, inside its bounds.
+fn start_from(bench: &Bench<'_>, ray: &Ray, score: &Score) -> Vec<f64> {
+    let effect = &bench.catalogue[ray.cause];
+    let specs = effect.parameters_for(&bench.experiment);
+    let mut start = ray.at.clone();
+    match &ray.chord {
+        Some(end) => {
+            let factor = score.coefficients.first().copied().unwrap_or(1.0).clamp(0.02, 20.0);
+            for &i in effect.sizes() {
+                start[i] = end[i] * factor;
+            }
+        }
+        None => {
+            for (k, &i) in effect.sizes().iter().enumerate() {
+                start[i] = score.coefficients.get(k).copied().unwrap_or(0.0);
+            }
+        }
+    }
+    for (value, spec) in start.iter_mut().zip(&specs) {
+        *value = value.clamp(spec.lower, spec.upper);
+    }
+    // A start at the null has no slope in its shapes.
+    if effect.is_null(&start) {
+        for &i in effect.sizes() {
+            start[i] = (0.05 * specs[i].typical).clamp(specs[i].lower, specs[i].upper);
+        }
+    }
+    start
+}
+
+/// One tangent of each cause without a period: what the noise's mean may hold.
+fn smooth_columns(bench: &Bench<'_>, signatures: &[Signature]) -> DMatrix<f64> {
+    let n = bench.samples.len();
+    let mut columns = Vec::new();
+    let mut last = usize::MAX;
+    for signature in signatures {
+        if signature.cause != last
+            && signature.chord.is_none()
+            && !bench.catalogue[signature.cause].is_periodic()
+        {
+            last = signature.cause;
+            columns.extend(signature.columns.column_iter().map(|c| c.into_owned()));
+        }
+    }
+    if columns.is_empty() {
+        DMatrix::zeros(n, 0)
+    } else {
+        DMatrix::from_columns(&columns)
+    }
+}
+
+/// Lines in the residual over position and time.
+struct Peaks {
+    place: Vec<f64>,
+    time: Vec<f64>,
+    place_path: f64,
+    time_path: f64,
+}
+
+impl Peaks {
+    fn find(bench: &Bench<'_>, subset: &Subset, stand: &Stand, scatter: f64) -> Self {
+        let mut none = Self {
+            place: Vec::new(),
+            time: Vec::new(),
+            place_path: 0.0,
+            time_path: 0.0,
+        };
+        if !bench.catalogue.iter().any(|c| c.is_periodic()) {
+            return none;
+        }
+        let samples = subset.samples(bench);
+        let solved = stand.ground.solved_residual(scatter);
+        let free = stand.ground.project_vector(&solved);
+        let g = stand
+            .whitener
+            .whiten_transposed(&free.rows(0, subset.len()).into_owned());
+        let force: Vec<f64> = subset.gather(&stand.fitted.prediction).iter().copied().collect();
+        let variance = |columns: &DMatrix<f64>| {
+            let white = stand.whitener.whiten_columns(columns);
+            let n = white.nrows();
+            stand
+                .ground
+                .mean_power(&white.resize_vertically(n + stand.prior_rows, 0.0), scatter)
+        };
+        let longest = |x: &[f64]| {
+            samples
+                .runs
+                .iter()
+                .map(|r| {
+                    let (lo, hi) = r.clone().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), i| {
+                        (a.min(x[i]), b.max(x[i]))
+                    });
+                    hi - lo
+                })
+                .fold(0.0_f64, f64::max)
+        };
+        let middle_step = |x: &[f64]| {
+            let mut steps: Vec<f64> = samples
+                .runs
+                .iter()
+                .flat_map(|r| (r.start + 1..r.end).map(|i| (x[i] - x[i - 1]).abs()))
+                .filter(|s| *s > 0.0)
+                .collect();
+            steps.sort_by(f64::total_cmp);
+            steps.get(steps.len() / 2).copied().unwrap_or(0.0)
+        };
+        for (coordinate, in_time) in [(&samples.place, false), (&samples.time, true)] {
+            let (span, step) = (longest(coordinate), middle_step(coordinate));
+            if !(span > 0.0) || !(step > 0.0) {
+                continue;
+            }
+            let envelopes: Vec<Vec<f64>> = if in_time {
+                vec![force.clone()]
+            } else {
+                let fastest = samples.velocity.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
+                let strong = force.iter().fold(0.0_f64, |a, f| a.max(f.abs()));
+                let moved = samples.velocity.iter().map(|v| strong * v / fastest).collect();
+                vec![force.clone(), moved]
+            };
+            let mut found: Vec<(f64, f64)> = Vec::new();
+            let mut path = 0.0;
+            for envelope in &envelopes {
+                let family = Family {
+                    coordinate,
+                    envelope,
+                    band: (1.0 / span, 0.5 / step),
+                    spacing: 0.5 / span,
+                };
+                path = family.path();
+                for peak in family.peaks(&g, &variance, 3) {
+                    found.push((peak.statistic, peak.frequency));
+                }
+            }
+            found.sort_by(|a, b| b.0.total_cmp(&a.0));
+            let mut chosen: Vec<f64> = Vec::new();
+            for (_, frequency) in found {
+                if chosen.iter().all(|f| (f - frequency).abs() > 0.25 / span) && chosen.len() < 5 {
+                    chosen.push(frequency);
+                }
+            }
+            if in_time {
+                (none.time, none.time_path) = (chosen, path);
+            } else {
+                (none.place, none.place_path) = (chosen, path);
+            }
+        }
+        none
+    }
+
+    fn of(&self, in_time: bool) -> Vec<f64> {
+        if in_time { self.time.clone() } else { self.place.clone() }
+    }
+
+    fn path(&self, in_time: bool) -> f64 {
+        if in_time { self.time_path } else { self.place_path }
+    }
+}

@@ -1,0 +1,412 @@
+//! From the law alone to the set of causes that the campaign supports.
+//!
+//! 1. Noise and gate with the law alone.
+//! 2. The causes that score best are fitted jointly with the law, from several starts.
+//! 3. The best is taken in, the noise estimated anew, and everything asked again beside it: forward selection.
+//! 4. Before a second cause stays, every other cause is asked to do better alone than the pair (the near miss), and
+//!    each cause of the set to do without, or to be replaced.
+
+use fitting::noise::Sizes;
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use crate::bench::{Bench, Fitted, Stand, Subset};
+use crate::general::{self, Lack};
+use crate::scan::{Candidate, Scan, extended, scan};
+
+/// Family-wise probability of naming a cause where there is none: half of the campaign's one percent.
+pub(crate) const ALPHA_NAME: f64 = 0.004;
+/// The same for the general alternative.
+pub(crate) const ALPHA_GENERAL: f64 = 0.004;
+/// Most causes that are named together.
+const MOST_EFFECTS: usize = 4;
+/// Joint fits tried in each round.
+const SURVIVORS: usize = 7;
+/// A catalogue's shape is taken to be right to this share of an effect's amplitude: less than its square of what is
+/// explained may be the wrong shape of a named cause, and is no ground for naming another.
+pub(crate) const SHAPE_TOLERANCE: f64 = 0.15;
+/// Where something is left that nothing explains, causes stay named only if they explain this share of all of it.
+const DOMINANT: f64 = 0.75;
+
+/// How thorough a selection is.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Depth {
+    /// The campaign itself.
+    Full,
+    /// Inside a fold: the same steps, starting from the campaign's noise and law.
+    Fold,
+}
+
+/// A single cause with the law, fitted in the first round.
+#[derive(Clone)]
+pub(crate) struct Single {
+    pub(crate) cause: usize,
+    pub(crate) fitted: Fitted,
+}
+
+/// The outcome of a selection.
+pub(crate) struct Selected {
+    /// The law alone under the final noise.
+    pub(crate) baseline: Stand,
+    /// The law with the named causes.
+    pub(crate) stand: Stand,
+    /// Scan beside the law alone.
+    pub(crate) first: Scan,
+    /// Tail probability of the campaign being noise, causes and general alternative together.
+    pub(crate) gate_log_p: f64,
+    /// What is left beside the final model.
+    pub(crate) left: Lack,
+    /// Tail probability at which each named cause came in.
+    pub(crate) entry_log_p: Vec<f64>,
+    /// Joint fits with one cause.
+    pub(crate) singles: Vec<Single>,
+}
+
+/// Where a selection may start from.
+#[derive(Clone)]
+pub(crate) struct Warm {
+    pub(crate) law: Vec<f64>,
+    pub(crate) sizes: Sizes,
+}
+
+/// Scatter between runs that is likeliest beside the fitted model.
+fn likely_scatter(stand: &Stand) -> f64 {
+    stand.ground.likeliest_scatter()
+}
+
+/// Law alone and its noise.
+fn baseline(bench: &Bench<'_>, subset: &Subset, warm: Option<&Warm>) -> Option<(Stand, Scan)> {
+    let first_sizes = warm.map_or_else(|| bench.first_sizes(), |w| w.sizes);
+    let mut fitted = match warm {
+        None => bench.law_fit(subset, &first_sizes)?,
+        Some(w) => {
+            let model = bench.model(&[])?;
+            let mut start = model.at_null(&w.law[..model.law_parameters()], &bench.experiment);
+            let shared = start.len().min(w.law.len());
+            start[..shared].copy_from_slice(&w.law[..shared]);
+            let scale = model.predict(&bench.experiment, &start);
+            let context = subset.context(bench, &scale);
+            let whitener = fitting::noise::Whitener::new(&context, &first_sizes);
+            bench.fit(subset, &[], &start, &whitener, None, 20)?
+        }
+    };
+    let mut sizes = first_sizes;
+    let mut stand = Stand::new(bench, subset, fitted.clone(), sizes);
+    let mut found = scan(bench, subset, &stand, sizes.scatter);
+    let rounds = if warm.is_some() { 1 } else { 2 };
+    for round in 0..rounds {
+        let start = (warm.is_some() || round > 0).then_some(sizes);
+        let noise = bench.noise(subset, &fitted, &stand.jacobian, &found.smooth, start);
+        sizes = noise.sizes;
+        fitted = refit(bench, subset, &fitted, &sizes)?;
+        stand = Stand::new(bench, subset, fitted.clone(), sizes);
+        found = scan(bench, subset, &stand, likely_scatter(&stand));
+    }
+    Some((stand, found))
+}
+
+/// The same model fitted again under other sizes of the noise.
+fn refit(bench: &Bench<'_>, subset: &Subset, fitted: &Fitted, sizes: &Sizes) -> Option<Fitted> {
+    let context = subset.context(bench, &fitted.prediction);
+    let whitener = fitting::noise::Whitener::new(&context, sizes);
+    bench.fit(subset, &fitted.effects, &fitted.parameters, &whitener, None, 20)
+}
+
+/// Joint fits of the stand's model with each candidate, from the candidate's starts; best first under the stand's noise.
+fn joint_fits(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    candidates: &[&Candidate],
+    starts: usize,
+) -> Vec<(usize, Fitted, f64)> {
+    let context = subset.context(bench, &stand.fitted.prediction);
+    let fits: Vec<Option<(usize, Fitted, f64)>> = candidates
+        .par_iter()
+        .map(|candidate| {
+            let whitener = stand.whitener.with_scatter(&context, candidate.score.scatter);
+            let mut best: Option<(Fitted, f64)> = None;
+            for own in candidate.starts.iter().take(starts) {
+                let Some((_, start)) = extended(bench, &stand.fitted, candidate.cause, own) else {
+                    continue;
+                };
+                let mut effects = stand.fitted.effects.clone();
+                effects.push(candidate.cause);
+                let Some(fit) = bench.fit(subset, &effects, &start, &whitener, None, 25) else {
+                    continue;
+                };
+                let deviance = stand.deviance_of(bench, subset, &fit);
+                if best.as_ref().is_none_or(|b| deviance < b.1) {
+                    best = Some((fit, deviance));
+                }
+            }
+            best.map(|(fit, deviance)| (candidate.cause, fit, deviance))
+        })
+        .collect();
+    let mut fits: Vec<(usize, Fitted, f64)> = fits.into_iter().flatten().collect();
+    fits.sort_by(|a, b| price(bench, a).total_cmp(&price(bench, b)).then(a.0.cmp(&b.0)));
+    fits
+}
+
+/// Deviance with parameters and, for a searched period, the search paid for.
+fn price(bench: &Bench<'_>, fit: &(usize, Fitted, f64)) -> f64 {
+    let effect = &bench.catalogue[fit.0];
+    let search = if effect.is_periodic() { 10.0 } else { 0.0 };
+    fit.2 + 2.0 * effect.parameters().len() as f64 + search
+}
+
+/// Candidates that deserve a joint fit: all that pass, and those that come near the best.
+fn survivors<'a>(found: &'a Scan, threshold: f64, most: usize) -> Vec<&'a Candidate> {
+    let best = found.candidates.first().map_or(0.0, |c| c.score.z());
+    found
+        .candidates
+        .iter()
+        .filter(|c| c.log_p < threshold || c.score.z() > 0.6 * best)
+        .take(most)
+        .collect()
+}
+
+/// The whole selection; `None` where the law itself cannot be computed on the campaign.
+pub(crate) fn select(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    depth: Depth,
+    warm: Option<&Warm>,
+) -> Option<Selected> {
+    let (mut base, first) = baseline(bench, subset, warm)?;
+    let threshold = (ALPHA_NAME / first.asked.max(1) as f64).ln();
+    let best = first.candidates.first().map_or(0.0, |c| c.log_p);
+    let general = lack(bench, subset, &base);
+    let gate_log_p = (best + (first.asked.max(1) as f64 / 0.5).ln())
+        .min(general.log_p + 2.0_f64.ln())
+        .min(0.0);
+    let mut singles: Vec<Single> = Vec::new();
+    let mut entry: Vec<f64> = Vec::new();
+    let mut chosen: Option<Stand> = None;
+    let most = if depth == Depth::Full { SURVIVORS } else { 4 };
+    let starts = if depth == Depth::Full { 3 } else { 1 };
+    let mut explained = 0.0;
+    for round in 0..MOST_EFFECTS {
+        let later;
+        let (stand, found) = match &chosen {
+            None => (&base, &first),
+            Some(stand) => {
+                later = scan(bench, subset, stand, likely_scatter(stand));
+                (stand, &later)
+            }
+        };
+        let Some(top) = found.candidates.first() else { break };
+        // The first round asks all that come near; later ones must pass on their own.
+        if top.log_p > threshold {
+            break;
+        }
+        let asked = survivors(found, threshold, most);
+        let fits = joint_fits(bench, subset, stand, &asked, starts);
+        let Some((cause, fit, deviance)) = fits.first().cloned() else { break };
+        if round == 0 {
+            singles = fits
+                .iter()
+                .map(|(cause, fitted, _)| Single {
+                    cause: *cause,
+                    fitted: fitted.clone(),
+                })
+                .collect();
+        }
+        let drop = stand.deviance - deviance;
+        let log_p = asked
+            .iter()
+            .find(|c| c.cause == cause)
+            .map_or(0.0, |c| c.log_p);
+        let beyond_shape = round == 0 || drop > SHAPE_TOLERANCE.powi(2) * explained;
+        if !(drop > 8.0) || !beyond_shape || (round > 0 && log_p > threshold) {
+            break;
+        }
+        let next = settle(bench, subset, &fit, found)?;
+        explained += drop;
+        entry.push(log_p);
+        let next = if round == 0 {
+            next
+        } else {
+            look_back(bench, subset, &base, next, &singles, &mut entry, threshold)?
+        };
+        chosen = Some(next);
+    }
+    let left;
+    let stand = match chosen {
+        None => {
+            left = general;
+            let again = Stand::new(bench, subset, base.fitted.clone(), base.sizes);
+            again
+        }
+        Some(stand) => {
+            left = lack(bench, subset, &stand);
+            base = Stand::new(bench, subset, base.fitted.clone(), stand.sizes);
+            stand
+        }
+    };
+    let mut selected = Selected {
+        baseline: base,
+        stand,
+        first,
+        gate_log_p,
+        left,
+        entry_log_p: entry,
+        singles,
+    };
+    keep_dominant(bench, subset, &mut selected);
+    Some(selected)
+}
+
+/// A new model: noise estimated beside it, fitted again.
+fn settle(bench: &Bench<'_>, subset: &Subset, fit: &Fitted, found: &Scan) -> Option<Stand> {
+    let (jacobian, _) = bench.jacobian(subset, fit);
+    let sizes = bench.first_sizes();
+    let start = Some(found.sizes.unwrap_or(sizes));
+    let noise = bench.noise(subset, fit, &jacobian, &found.smooth, start);
+    let fitted = refit(bench, subset, fit, &noise.sizes)?;
+    Some(Stand::new(bench, subset, fitted, noise.sizes))
+}
+
+/// The near miss and the look back: one other cause alone against the pair, each cause against doing without.
+fn look_back(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    base: &Stand,
+    pair: Stand,
+    singles: &[Single],
+    entry: &mut Vec<f64>,
+    threshold: f64,
+) -> Option<Stand> {
+    let count = pair.fitted.effects.len();
+    // One other cause alone: fitted singles under the pair's noise. A second cause must be worth its look-elsewhere.
+    let worth = -2.0 * threshold;
+    if count == 2 {
+        let mut best: Option<(f64, &Single)> = None;
+        for single in singles {
+            let context = subset.context(bench, &pair.fitted.prediction);
+            let whitener = pair.whitener.with_scatter(&context, pair.sizes.scatter);
+            let Some(fit) = bench.fit(
+                subset,
+                &single.fitted.effects,
+                &single.fitted.parameters,
+                &whitener,
+                None,
+                15,
+            ) else {
+                continue;
+            };
+            let deviance = pair.deviance_of(bench, subset, &fit);
+            if best.as_ref().is_none_or(|b| deviance < b.0) {
+                best = Some((deviance, single));
+            }
+        }
+        if let Some((deviance, single)) = best
+            && deviance < pair.deviance + worth
+        {
+            entry.truncate(1);
+            let found = Scan::empty(bench, Some(pair.sizes));
+            return settle(bench, subset, &single.fitted, &found);
+        }
+    }
+    // Each cause against doing without it.
+    for k in 0..count {
+        let rest: Vec<usize> = (0..count)
+            .filter(|&j| j != k)
+            .map(|j| pair.fitted.effects[j])
+            .collect();
+        let start = without(&pair.fitted, k);
+        let context = subset.context(bench, &pair.fitted.prediction);
+        let whitener = pair.whitener.with_scatter(&context, pair.sizes.scatter);
+        let Some(fit) = bench.fit(subset, &rest, &start, &whitener, None, 20) else {
+            continue;
+        };
+        if pair.deviance_of(bench, subset, &fit) < pair.deviance + worth {
+            entry.remove(k.min(entry.len() - 1));
+            let found = Scan::empty(bench, Some(pair.sizes));
+            return settle(bench, subset, &fit, &found);
+        }
+    }
+    let _ = base;
+    Some(pair)
+}
+
+/// Parameters of a fit with its k-th effect taken out.
+pub(crate) fn without(fitted: &Fitted, k: usize) -> Vec<f64> {
+    let span = fitted.model.span(k);
+    let mut p = fitted.parameters[..span.start].to_vec();
+    p.extend_from_slice(&fitted.parameters[span.end..]);
+    p
+}
+
+/// The general lack-of-fit test beside a stand.
+pub(crate) fn lack(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Lack {
+    let samples = subset.samples(bench);
+    let scale: Vec<f64> = subset.gather(&stand.fitted.prediction).iter().copied().collect();
+    let names: Vec<String> = subset
+        .runs
+        .iter()
+        .map(|&k| bench.campaign.runs[k].name.clone())
+        .collect();
+    let families = general::families(&samples, &scale, stand.sizes.length);
+    let white: Vec<DMatrix<f64>> = families
+        .iter()
+        .map(|f| {
+            let white = stand.whitener.whiten_columns(&f.columns);
+            let n = white.nrows();
+            white.resize_vertically(n + stand.prior_rows, 0.0)
+        })
+        .collect();
+    let smooth = general::test(&stand.ground, &families, &white, &samples, &names);
+    let burst = general::bursts(&stand.ground, &samples, &names);
+    let (mut best, other) = if smooth.log_p <= burst.log_p {
+        (smooth, burst)
+    } else {
+        (burst, smooth)
+    };
+    best.log_p = (best.log_p.min(other.log_p) + 2.0_f64.ln()).min(0.0);
+    best
+}
+
+/// Where something is left that nothing explains: only causes that explain most of it stay named.
+fn keep_dominant(bench: &Bench<'_>, subset: &Subset, selected: &mut Selected) {
+    if selected.stand.fitted.effects.is_empty() || selected.left.log_p > ALPHA_GENERAL.ln() {
+        return;
+    }
+    let explained = selected.baseline.deviance - selected.stand.deviance;
+    let share = explained / (explained + selected.left.excess).max(1e-300);
+    let first_alone = selected
+        .singles
+        .iter()
+        .find(|s| selected.stand.fitted.effects.first() == Some(&s.cause))
+        .map_or(0.0, |s| {
+            selected.baseline.deviance
+                - selected.stand.deviance_of(bench, subset, &s.fitted)
+        });
+    let alone = first_alone / (explained + selected.left.excess).max(1e-300);
+    let several = selected.stand.fitted.effects.len() > 1;
+    if several && share >= 0.9 || !several && share >= DOMINANT {
+        return;
+    }
+    let sizes = selected.stand.sizes;
+    let keep = (several && alone >= DOMINANT)
+        .then(|| {
+            selected
+                .singles
+                .iter()
+                .find(|s| selected.stand.fitted.effects.first() == Some(&s.cause))
+                .cloned()
+        })
+        .flatten();
+    let fitted = match keep {
+        Some(single) => {
+            selected.entry_log_p.truncate(1);
+            single.fitted
+        }
+        None => {
+            selected.entry_log_p.clear();
+            selected.baseline.fitted.clone()
+        }
+    };
+    selected.stand = Stand::new(bench, subset, fitted, sizes);
+    selected.left = lack(bench, subset, &selected.stand);
+}
