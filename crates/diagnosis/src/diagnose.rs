@@ -5,7 +5,7 @@ use friction::LawKind;
 use rig::{Experiment, ModelFile};
 
 use crate::answer::{
-    Baseline, Diagnosis, Estimate, Evidence, Finding, Hidden, LawFit, NoiseFloor, Rival, Status,
+    Baseline, Diagnosis, Estimate, Evidence, Finding, Hidden, LawFit, Rival, Status,
     Unexplained,
 };
 use crate::anatomy::anatomy;

@@ -26,7 +26,7 @@ pub(crate) const SEPARABLE: f64 = 4.7;
 const NEAR: f64 = 8.0;
 
 /// A rival of a named cause.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub(crate) struct Opponent {
     pub(crate) cause: usize,
     /// D_r of (D3).

@@ -43,7 +43,7 @@ pub(crate) fn families(samples: &Samples, scale: &[f64], length: f64) -> Vec<Hat
     let all = |_: usize| true;
     out.push(hats("position", "m", &samples.place, scale, (lo, hi), cells, &all));
     if both {
-        let odd: Vec<f64> = scale.iter().zip(&heading).map(|(s, h)| s * h).collect();
+        let odd: Vec<f64> = scale.iter().zip(heading).map(|(s, h)| s * h).collect();
         out.push(hats("position", "m", &samples.place, &odd, (lo, hi), cells, &all));
     }
     let speed: Vec<f64> = samples.velocity.iter().map(|v| v.abs()).collect();
