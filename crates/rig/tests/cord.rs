@@ -1,0 +1,141 @@
+//! The specimen on a cord: against a fine explicit integration of the same mechanics, and its limits.
+
+mod campaigns;
+
+use campaigns::{BRISTLE, HEIGHT, LUGRE, Spring, campaign, ramp, run, time, wave};
+use friction::{Drive, Law, LawKind};
+use rig::{Experiment, Model};
+
+const LOAD: f64 = 2.0;
+
+/// z' = f, x' = u, m u' = N mu(z, V - u) - x/C - d u by classical Runge-Kutta with `n` steps between samples.
+fn explicit(law: &Law<f64>, t: &[f64], v: &[f64], c: f64, d: f64, m: f64, n: usize) -> Vec<f64> {
+    let mut y = [0.0, 0.0, 0.0];
+    let mut out = vec![0.0];
+    for i in 1..t.len() {
+        let h = (t[i] - t[i - 1]) / n as f64;
+        for k in 0..n {
+            let rate = |s: f64, y: [f64; 3]| {
+                let stage = v[i - 1] + (v[i] - v[i - 1]) * (k as f64 + s) / n as f64;
+                let drive = Drive::at(stage - y[2]);
+                let friction = LOAD * law.coefficient(y[0], &drive);
+                [
+                    law.state_rate(y[0], &drive),
+                    y[2],
+                    (friction - y[1] / c - d * y[2]) / m,
+                ]
+            };
+            let step = |y: [f64; 3], r: [f64; 3], h: f64| {
+                [y[0] + h * r[0], y[1] + h * r[1], y[2] + h * r[2]]
+            };
+            let k1 = rate(0.0, y);
+            let k2 = rate(0.5, step(y, k1, 0.5 * h));
+            let k3 = rate(0.5, step(y, k2, 0.5 * h));
+            let k4 = rate(1.0, step(y, k3, h));
+            for j in 0..3 {
+                y[j] += h / 6.0 * (k1[j] + 2.0 * k2[j] + 2.0 * k3[j] + k4[j]);
+            }
+        }
+        out.push(y[1] / c + d * y[2]);
+    }
+    out
+}
+
+fn predicted(
+    kind: LawKind,
+    law: &[f64],
+    v: &[f64],
+    t: &[f64],
+    c: f64,
+    d: f64,
+    mass_kg: f64,
+) -> Vec<f64> {
+    let experiment =
+        Experiment::new(&campaign(vec![run(t, v.to_vec(), Some(LOAD), 1)])).expect("moves");
+    let model = Model::new(kind, vec![Box::new(Spring { mass_kg })], &experiment).expect("model");
+    model.predict(&experiment, &[law, &[c, d]].concat())
+}
+
+fn largest(a: &[f64], b: &[f64]) -> f64 {
+    a.iter()
+        .zip(b)
+        .map(|(x, y)| (x - y).abs())
+        .fold(0.0, f64::max)
+}
+
+#[test]
+fn a_mass_on_a_cord_agrees_with_an_explicit_integration() {
+    let t = time(300, 1.0 / 60.0);
+    for (v, name) in [(ramp(&t, 0.006), "ramp"), (wave(&t), "wave")] {
+        for (c, d) in [(1e-3, 0.5), (1e-3, 0.0), (5e-3, 2.0), (1e-4, 1.0)] {
+            let law = LawKind::AsymmetricBristle
+                .build(&BRISTLE, Some(HEIGHT))
+                .expect("complete");
+            let fine = explicit(&law, &t, &v, c, d, 0.2, 200);
+            let ours = predicted(LawKind::AsymmetricBristle, &BRISTLE, &v, &t, c, d, 0.2);
+            let error = largest(&ours, &fine);
+            assert!(error < 2e-5, "{name}, C = {c}, d = {d}: {error:e} N");
+        }
+    }
+}
+
+#[test]
+fn a_soft_cord_delays_the_start_and_a_stiff_one_is_the_rigid_chain() {
+    let t = time(300, 1.0 / 60.0);
+    let v = ramp(&t, 0.006);
+    let rigid = predicted(LawKind::AsymmetricBristle, &BRISTLE, &v, &t, 0.0, 0.0, 0.2);
+    let distance = |c: f64| {
+        largest(
+            &predicted(LawKind::AsymmetricBristle, &BRISTLE, &v, &t, c, 0.0, 0.0),
+            &rigid,
+        )
+    };
+    assert!(distance(1e-3) > 0.05);
+    // without a mass the rigid chain is approached in proportion to the compliance
+    let order = (distance(2e-6) / distance(1e-6)).log2();
+    assert!((order - 1.0).abs() < 0.05, "order {order}");
+    assert!(distance(1e-12) < 1e-6);
+    let soft = predicted(LawKind::AsymmetricBristle, &BRISTLE, &v, &t, 5e-3, 0.0, 0.2);
+    assert!(soft[60] < rigid[60]);
+}
+
+#[test]
+fn the_steady_pull_of_a_cord_is_the_friction() {
+    let t = time(2000, 0.01);
+    let v = vec![0.02; t.len()];
+    for (kind, p) in [
+        (LawKind::AsymmetricBristle, &BRISTLE[..]),
+        (LawKind::Lugre, &LUGRE[..]),
+    ] {
+        let law = kind.build(p, Some(HEIGHT)).expect("complete");
+        let end = *predicted(kind, p, &v, &t, 2e-3, 1.0, 0.2)
+            .last()
+            .expect("samples");
+        assert!(
+            (end - LOAD * law.steady_coefficient(0.02)).abs() < 1e-6,
+            "{}",
+            kind.id()
+        );
+    }
+}
+
+#[test]
+fn static_laws_slip_and_stick_on_a_cord_without_leaving_the_numbers() {
+    let t = time(600, 1.0 / 60.0);
+    for (kind, p) in [
+        (LawKind::CoulombViscous, vec![0.4, 0.5]),
+        (LawKind::Stribeck, vec![0.4, 0.6, 0.004, 0.5]),
+        (LawKind::Dahl, vec![0.4, 400.0]),
+    ] {
+        for v in [ramp(&t, 0.006), wave(&t)] {
+            for (c, d, m) in [(1e-3, 0.5, 0.2), (1e-2, 0.0, 0.2), (1e-5, 0.0, 0.2)] {
+                let f = predicted(kind, &p, &v, &t, c, d, m);
+                assert!(
+                    f.iter().all(|f| f.is_finite() && f.abs() < 4.0),
+                    "{} C = {c}",
+                    kind.id()
+                );
+            }
+        }
+    }
+}
