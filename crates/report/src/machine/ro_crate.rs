@@ -23,6 +23,7 @@ const PROFILES: [(&str, &str, &str); 3] = [
         "1.0",
     ),
 ];
+const BIOSCHEMAS: &str = "https://bioschemas.org/profiles/ComputationalWorkflow/1.0-RELEASE";
 const LICENSE: &str = "https://spdx.org/licenses/MIT";
 
 /// The metadata of the crate. `files` are all files of the folder, [`WORKFLOW`] among them, without the metadata itself.
@@ -44,6 +45,9 @@ pub fn ro_crate(document: &Document, files: &[OutputFile]) -> Result<String, Err
     ];
     graph.extend(PROFILES.iter().map(|(id, name, version)| {
         json!({ "@id": id, "@type": "CreativeWork", "name": name, "version": version })
+    }));
+    graph.push(json!({
+        "@id": BIOSCHEMAS, "@type": "CreativeWork", "name": "Bioschemas ComputationalWorkflow", "version": "1.0",
     }));
     graph.push(json!({
         "@id": LICENSE, "@type": "CreativeWork", "name": "MIT License",
@@ -97,15 +101,24 @@ fn root(document: &Document, files: &[OutputFile]) -> Value {
         "datePublished": date(document),
         "license": { "@id": LICENSE },
         "conformsTo": profiles,
-        "hasPart": parts,
+        "hasPart": one_or_many(parts),
         "mainEntity": { "@id": WORKFLOW },
-        "mentions": [{ "@id": "#run" }],
+        "mentions": { "@id": "#run" },
         "identifier": format!("sha256:{}", identity(&document.results)),
     });
     if let Some(doi) = &document.subject.doi {
         root["citation"] = json!({ "@id": format!("https://doi.org/{doi}") });
     }
     root
+}
+
+/// One value stands alone, several in a list: what the specification of RO-Crate recommends.
+fn one_or_many(mut values: Vec<Value>) -> Value {
+    if values.len() == 1 {
+        values.remove(0)
+    } else {
+        Value::from(values)
+    }
 }
 
 fn description(document: &Document) -> String {
@@ -154,9 +167,10 @@ fn workflow(document: &Document) -> Vec<Value> {
             "encodingFormat": "text/x-shellscript",
             "license": { "@id": LICENSE },
             "version": document.run.commit,
-            "input": inputs,
-            "output": [{ "@id": "#output-report" }],
-            "hasPart": [{ "@id": "#program" }],
+            "input": one_or_many(inputs),
+            "output": { "@id": "#output-report" },
+            "hasPart": { "@id": "#program" },
+            "conformsTo": { "@id": BIOSCHEMAS },
         }),
         json!({ "@id": "#sh", "@type": "ComputerLanguage", "name": "POSIX shell", "alternateName": "sh", "url": "https://pubs.opengroup.org/onlinepubs/9699919799/utilities/sh.html" }),
         json!({
@@ -206,8 +220,8 @@ fn action(document: &Document, files: &[OutputFile]) -> Vec<Value> {
         "name": document.header.command,
         "description": document.header.command,
         "instrument": { "@id": WORKFLOW },
-        "object": objects,
-        "result": results,
+        "object": one_or_many(objects),
+        "result": one_or_many(results),
         "agent": { "@id": "#program-agent" },
         "actionStatus": { "@id": "http://schema.org/CompletedActionStatus" },
     });
