@@ -64,10 +64,11 @@ pub fn ro_crate(document: &Document, files: &[OutputFile]) -> Result<String, Err
     graph.extend(document.header.inputs.iter().map(|input| {
         json!({
             "@id": input_id(&input.path),
-            "@type": "CreativeWork",
+            "@type": "PropertyValue",
             "name": input.path,
             "description": input.kind,
-            "identifier": input.hash,
+            "value": input.hash,
+            "exampleOfWork": { "@id": parameter_id(&input.path) },
         })
     }));
     if let Some(doi) = &document.subject.doi {
@@ -187,13 +188,14 @@ fn workflow(document: &Document) -> Vec<Value> {
             "additionalType": "File",
             "name": "report",
             "description": "The audit as one HTML file.",
+            "workExample": { "@id": "report.html" },
         }),
     ];
     out.extend(document.header.inputs.iter().map(|input| {
         json!({
             "@id": parameter_id(&input.path),
             "@type": "FormalParameter",
-            "additionalType": "File",
+            "additionalType": "PropertyValue",
             "name": input.path,
             "workExample": { "@id": input_id(&input.path) },
         })
@@ -223,7 +225,7 @@ fn action(document: &Document, files: &[OutputFile]) -> Vec<Value> {
         "object": one_or_many(objects),
         "result": one_or_many(results),
         "agent": { "@id": "#program-agent" },
-        "actionStatus": { "@id": "http://schema.org/CompletedActionStatus" },
+        "actionStatus": "http://schema.org/CompletedActionStatus",
     });
     if !document.run.started.is_empty() {
         action["startTime"] = json!(document.run.started);
