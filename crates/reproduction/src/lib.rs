@@ -4,15 +4,21 @@
 //! [`Stage`]), keeping outputs by content ([`cache`]); [`judgements`] set values beside printed numbers and [`judge`]
 //! makes verdicts of them; [`results`] is what other programs read, [`compose`] the page.
 
+pub mod against;
 mod audit;
 pub mod cache;
 pub mod campaigns;
 pub mod claims;
+pub mod cli;
+pub mod compose;
+pub mod controls;
 pub mod engine;
 pub mod judge;
 pub mod judgements;
 pub mod names;
+pub mod provenance;
 pub mod published;
+pub mod results;
 pub mod stage;
 pub mod stages;
 pub mod watch;

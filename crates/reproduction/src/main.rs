@@ -1,2 +1,5 @@
 //! The program behind `cargo xtask`.
-fn main() {}
+
+fn main() -> std::process::ExitCode {
+    reproduction::cli::main()
+}

@@ -75,14 +75,18 @@ impl Bristle {
         let mut theta = v.signum() * self.p.theta_c / self.p.sigma;
         for _ in 0..400 {
             let w = v / self.height_m * self.cos2(theta);
-            theta = v.signum() * self.level(w) / self.p.sigma;
+            let next = v.signum() * self.level(w) / self.p.sigma;
+            if next == theta {
+                break;
+            }
+            theta = next;
         }
         self.terms(theta, v)
     }
 
     /// Mean of |mu| in steady state between two speeds (both of one sign), by the midpoint rule.
     pub(super) fn mean_steady(&self, from: f64, to: f64) -> f64 {
-        const CELLS: usize = 400;
+        const CELLS: usize = 200;
         let speed = |cell: usize| from + (to - from) * (cell as f64 + 0.5) / CELLS as f64;
         (0..CELLS)
             .map(|cell| self.steady(speed(cell)).mu.abs())

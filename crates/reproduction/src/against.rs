@@ -1,0 +1,310 @@
+//! What changed against an earlier report: the results that it embeds, set beside the present ones.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use report::{Drift, DriftClass, DriftRow};
+use serde_json::Value as Json;
+
+/// Element of the page that holds the results.
+const OPEN: &str = "<script type=\"application/json\" id=\"results\">";
+const CLOSE: &str = "</script>";
+
+/// An earlier report that cannot be compared with.
+#[derive(Debug, thiserror::Error)]
+pub enum AgainstError {
+    /// It cannot be read.
+    #[error("{}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// It holds no results.
+    #[error("{}: {problem}", path.display())]
+    NoResults {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: String,
+    },
+}
+
+/// The results inside an earlier report.
+///
+/// # Errors
+/// Where the file cannot be read or embeds no results.
+pub fn read(path: &Path) -> Result<Json, AgainstError> {
+    let page = std::fs::read_to_string(path).map_err(|source| AgainstError::Read {
+        path: path.to_owned(),
+        source,
+    })?;
+    let refuse = |problem: &str| AgainstError::NoResults {
+        path: path.to_owned(),
+        problem: problem.to_owned(),
+    };
+    let (_, rest) = page
+        .split_once(OPEN)
+        .ok_or_else(|| refuse("embeds no results"))?;
+    let (text, _) = rest
+        .split_once(CLOSE)
+        .ok_or_else(|| refuse("its results do not end"))?;
+    let results: Json = serde_json::from_str(text)
+        .map_err(|error| refuse(&format!("its results are not JSON: {error}")))?;
+    if results["schema"] == crate::results::SCHEMA {
+        Ok(results)
+    } else {
+        Err(refuse("its results have another schema"))
+    }
+}
+
+/// A quantity may move by so much, relative to the larger of both, before a change counts as one of the physics.
+///
+/// Sums and closed computations are exact to rounding; whatever an iteration ends at depends on where it stops.
+#[must_use]
+pub fn tolerance(id: &str) -> f64 {
+    match id.split('.').next() {
+        Some("published" | "audit" | "envelope") => 1e-9,
+        Some("gait") => 1e-3,
+        _ => 1e-5,
+    }
+}
+
+/// Sets the present results beside earlier ones.
+#[must_use]
+pub fn compare(path: &Path, old: &Json, new: &Json) -> Drift {
+    let (old_values, new_values) = (values(old), values(new));
+    let inputs_differ = inputs(old) != inputs(new);
+    let verdicts = verdicts(old, new);
+    let mut unchanged = 0;
+    let mut rows = Vec::new();
+    let ids: std::collections::BTreeSet<&String> =
+        old_values.keys().chain(new_values.keys()).collect();
+    for id in ids {
+        let (before, now) = (old_values.get(id), new_values.get(id));
+        let number = |side: Option<&(Option<f64>, String)>| side.and_then(|(value, _)| *value);
+        let (a, b) = (number(before), number(now));
+        let same_number = a.map(f64::to_bits) == b.map(f64::to_bits);
+        if before.is_some() == now.is_some() && same_number {
+            unchanged += 1;
+            continue;
+        }
+        let used = match (a, b) {
+            (Some(a), Some(b)) => {
+                Some(100.0 * (a - b).abs() / (tolerance(id) * a.abs().max(b.abs())))
+            }
+            _ => None,
+        };
+        rows.push(DriftRow {
+            id: id.clone(),
+            old: a,
+            new: b,
+            unit: now
+                .or(before)
+                .map(|(_, unit)| unit.clone())
+                .unwrap_or_default(),
+            tolerance_used_percent: used,
+            class: class(a, b, used, inputs_differ),
+            flips: flips(id, old, new, &verdicts),
+        });
+    }
+    Drift {
+        against: path
+            .file_name()
+            .map(|name| name.to_string_lossy().into_owned())
+            .unwrap_or_default(),
+        old_identity: report::identity(old),
+        unchanged,
+        rows,
+        verdicts,
+    }
+}
+
+/// Why a value moved, as far as the two results can tell: rounding, other inputs, within or beyond its tolerance.
+fn class(old: Option<f64>, new: Option<f64>, used: Option<f64>, inputs_differ: bool) -> DriftClass {
+    const ROUNDING: f64 = 16.0 * f64::EPSILON;
+    match (old, new, used) {
+        (Some(a), Some(b), _) if (a - b).abs() <= ROUNDING * a.abs().max(b.abs()) => {
+            DriftClass::Noise
+        }
+        _ if inputs_differ => DriftClass::Input,
+        (_, _, Some(used)) if used <= 100.0 => DriftClass::Algorithm,
+        _ => DriftClass::Physics,
+    }
+}
+
+/// Values by id: number and unit.
+fn values(results: &Json) -> BTreeMap<String, (Option<f64>, String)> {
+    array(results, "values")
+        .map(|value| {
+            let unit = value["unit"].as_str().unwrap_or_default().to_owned();
+            (text(value, "id"), (value["value"].as_f64(), unit))
+        })
+        .collect()
+}
+
+fn inputs(results: &Json) -> BTreeMap<String, &Json> {
+    array(results, "stages")
+        .map(|stage| (text(stage, "id"), &stage["inputs"]))
+        .collect()
+}
+
+/// Verdicts that changed: claim, before, now.
+fn verdicts(old: &Json, new: &Json) -> Vec<(String, String, String)> {
+    let of = |results| -> BTreeMap<String, String> {
+        array(results, "claims")
+            .map(|claim| (text(claim, "id"), text(claim, "verdict")))
+            .collect()
+    };
+    let before = of(old);
+    of(new)
+        .into_iter()
+        .filter_map(|(id, now)| {
+            let before = before
+                .get(&id)
+                .cloned()
+                .unwrap_or_else(|| "absent".to_owned());
+            (before != now).then_some((id, before, now))
+        })
+        .collect()
+}
+
+/// Claims that rest on a value and whose verdict changed.
+fn flips(id: &str, old: &Json, new: &Json, changed: &[(String, String, String)]) -> Vec<String> {
+    let rests = |results: &Json, claim: &str| {
+        array(results, "claims").any(|entry| {
+            text(entry, "id") == claim
+                && entry["values"]
+                    .as_array()
+                    .is_some_and(|values| values.iter().any(|value| value == id))
+        })
+    };
+    changed
+        .iter()
+        .map(|(claim, ..)| claim)
+        .filter(|claim| rests(old, claim) || rests(new, claim))
+        .cloned()
+        .collect()
+}
+
+fn array<'a>(results: &'a Json, key: &str) -> impl Iterator<Item = &'a Json> {
+    results[key]
+        .as_array()
+        .map(Vec::as_slice)
+        .unwrap_or_default()
+        .iter()
+}
+
+fn text(entry: &Json, key: &str) -> String {
+    entry[key].as_str().unwrap_or_default().to_owned()
+}
+
+/// The comparison in words, for the terminal.
+#[must_use]
+pub fn words(drift: &Drift) -> String {
+    if drift.rows.is_empty() && drift.verdicts.is_empty() {
+        return format!(
+            "against {}: nothing changed ({} values equal bit for bit)",
+            drift.against, drift.unchanged
+        );
+    }
+    let mut lines = vec![format!(
+        "against {}: {} values changed, {} equal bit for bit",
+        drift.against,
+        drift.rows.len(),
+        drift.unchanged
+    )];
+    let shown =
+        |value: Option<f64>| value.map_or_else(|| "absent".to_owned(), |value| value.to_string());
+    for row in drift.rows.iter().take(20) {
+        let used = row.tolerance_used_percent.map_or_else(String::new, |used| {
+            format!(", {used:.3e} % of its tolerance")
+        });
+        let flips = if row.flips.is_empty() {
+            String::new()
+        } else {
+            format!(", flips {}", row.flips.join(", "))
+        };
+        lines.push(format!(
+            "  {}: {} -> {} {}{used}, {}{flips}",
+            row.id,
+            shown(row.old),
+            shown(row.new),
+            row.unit,
+            row.class.word()
+        ));
+    }
+    if drift.rows.len() > 20 {
+        lines.push(format!(
+            "  and {} more (see the report)",
+            drift.rows.len() - 20
+        ));
+    }
+    for (claim, before, now) in &drift.verdicts {
+        lines.push(format!("  {claim}: {before} -> {now}"));
+    }
+    lines.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn results(value: f64, verdict: &str) -> Json {
+        json!({"schema": crate::results::SCHEMA,
+            "values": [{"id": "envelope.gain.pitch0", "value": value, "unit": "percent"}, {"id": "gait.gain", "value": 3.5, "unit": "percent"}],
+            "claims": [{"id": "C12", "verdict": verdict, "values": ["envelope.gain.pitch0"]}],
+            "stages": [{"id": "envelope", "inputs": {}}]})
+    }
+
+    #[test]
+    fn equal_results_are_no_change() {
+        let drift = compare(
+            Path::new("old.html"),
+            &results(18.6, "differs"),
+            &results(18.6, "differs"),
+        );
+        assert_eq!(
+            words(&drift),
+            "against old.html: nothing changed (2 values equal bit for bit)"
+        );
+    }
+
+    #[test]
+    fn a_changed_value_is_named_with_the_claims_that_it_flips() {
+        let drift = compare(
+            Path::new("old.html"),
+            &results(18.79, "reproduced"),
+            &results(18.6, "differs"),
+        );
+        assert_eq!(drift.rows.len(), 1);
+        assert_eq!(drift.rows[0].flips, ["C12"]);
+        assert_eq!(drift.rows[0].class, DriftClass::Physics);
+        assert!(words(&drift).contains("C12: reproduced -> differs"));
+    }
+
+    #[test]
+    fn results_are_found_in_a_page() {
+        let folder = std::env::temp_dir().join(format!("bristle-against-{}", std::process::id()));
+        let text = results(18.6, "differs").to_string().replace('<', "\\u003c");
+        campaign::write_atomically(
+            &folder.join("old.html"),
+            format!("<html>{OPEN}{text}{CLOSE}</html>").as_bytes(),
+        )
+        .unwrap();
+        assert_eq!(
+            read(&folder.join("old.html")).unwrap(),
+            results(18.6, "differs")
+        );
+        campaign::write_atomically(&folder.join("empty.html"), b"<html></html>").unwrap();
+        assert!(
+            read(&folder.join("empty.html"))
+                .unwrap_err()
+                .to_string()
+                .ends_with("embeds no results")
+        );
+        std::fs::remove_dir_all(folder).unwrap();
+    }
+}

@@ -1,0 +1,221 @@
+//! The command line.
+
+mod claim;
+mod packages;
+mod reproduce;
+mod root;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+
+/// How a command ended: the exit codes of the contract.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// 0: done, whatever was found.
+    Done,
+    /// 1: verdicts or values on shipped data are not the pinned ones.
+    Disagrees,
+}
+
+/// Why a command gave up.
+#[derive(Debug)]
+pub enum Failure {
+    /// 2: bad input or usage.
+    Input(String),
+    /// 3: no result could be written.
+    Output(String),
+}
+
+impl Failure {
+    /// Bad input, in the words of the error.
+    pub(crate) fn input(error: impl std::fmt::Display) -> Self {
+        Self::Input(error.to_string())
+    }
+
+    /// No result, in the words of the error.
+    pub(crate) fn output(error: impl std::fmt::Display) -> Self {
+        Self::Output(error.to_string())
+    }
+}
+
+/// Audits a paper on the friction of steel brushes, and says what a friction simulation gets wrong and why.
+#[derive(Debug, Parser)]
+#[command(
+    name = "cargo xtask",
+    bin_name = "cargo xtask",
+    version,
+    propagate_version = true
+)]
+#[command(
+    after_help = "stand-ins [--check]  regenerates the stand-in campaigns, or checks that they are what the recipe makes\n\nExit codes: 0 done; 1 verdicts or values on shipped data are not the pinned ones; 2 bad input or usage; 3 no result could be written."
+)]
+struct Cli {
+    /// Threads to compute with; any number gives the same bytes.
+    #[arg(long, global = true, value_name = "N")]
+    threads: Option<std::num::NonZeroUsize>,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Runs all stages, the audit and the diagnosis; writes the report, the results, tables and figures.
+    Reproduce(ReproduceArguments),
+    /// Runs only what one claim needs; prints its verdict, evidence and cost.
+    Claim(ClaimArguments),
+    /// Identifies the parameters of a law from a campaign.
+    Identify(IdentifyArguments),
+    /// Says what the simulation gets wrong in a campaign, why, and what an extended model gains.
+    Diagnose(DiagnoseArguments),
+    /// Writes the campaign as a model predicts it.
+    Simulate(SimulateArguments),
+    /// Makes a package from plain CSV files.
+    Init(InitArguments),
+    /// Checks a campaign.
+    Check(CheckArguments),
+    /// Runs the benchmarks.
+    Bench(BenchArguments),
+}
+
+#[derive(Debug, Args)]
+struct ReproduceArguments {
+    /// Folder for the report, the results, tables and figures.
+    #[arg(long, value_name = "DIR", default_value = "target/reproduction")]
+    out: PathBuf,
+    /// Folder whose subfolders replace the stand-ins of the same name.
+    #[arg(long, value_name = "DIR")]
+    data: Option<PathBuf>,
+    /// Runs one stage and what it needs.
+    #[arg(long, value_name = "NAME")]
+    stage: Option<String>,
+    /// An extended model to use beside the paper's.
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
+    /// Fewer starts and repetitions: for a look, not for the record.
+    #[arg(long)]
+    quick: bool,
+    /// An earlier report to compare with.
+    #[arg(long, value_name = "OLD.html")]
+    against: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+struct ClaimArguments {
+    /// The claim, C01 to C22.
+    id: String,
+    /// Folder that keeps the outputs of stages.
+    #[arg(long, value_name = "DIR", default_value = "target/reproduction")]
+    out: PathBuf,
+}
+
+#[derive(Debug, Args)]
+struct IdentifyArguments {
+    /// The campaign.
+    package: PathBuf,
+    /// The law; default asymmetric-bristle where the specimen has a layout, else lugre.
+    #[arg(long)]
+    law: Option<String>,
+    /// Writes the answer as JSON.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Writes a report.
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+    /// Writes the model with its covariance.
+    #[arg(long, value_name = "FILE")]
+    model_out: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+struct DiagnoseArguments {
+    /// The campaign.
+    package: PathBuf,
+    /// Says what the protocol could and could not tell apart; the forces are not read.
+    #[arg(long)]
+    design: bool,
+    /// The law; default asymmetric-bristle where the specimen has a layout, else lugre.
+    #[arg(long)]
+    law: Option<String>,
+    /// A model to validate: its parameters stay as they are.
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
+    /// Writes the answer as JSON.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Writes a report.
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+    /// Writes the extended model.
+    #[arg(long, value_name = "FILE")]
+    extension: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+struct SimulateArguments {
+    /// The campaign whose motions are used.
+    package: PathBuf,
+    /// The model.
+    #[arg(long, value_name = "FILE")]
+    model: PathBuf,
+    /// Folder for the predicted campaign.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+#[derive(Debug, Args)]
+struct InitArguments {
+    /// Folder for the package.
+    folder: PathBuf,
+    /// Plain CSV files, one run each, in their order.
+    #[arg(required = true, value_name = "CSV")]
+    files: Vec<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+struct CheckArguments {
+    /// The campaign.
+    package: PathBuf,
+}
+
+#[derive(Debug, Args)]
+struct BenchArguments {
+    /// One benchmark; all without a name.
+    name: Option<String>,
+}
+
+/// Parses the command line, runs the command, and says how it ended.
+#[must_use]
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    if let Some(threads) = cli.threads
+        && let Err(error) = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads.get())
+            .build_global()
+    {
+        eprintln!("error: {error}");
+        return ExitCode::from(3);
+    }
+    let outcome = match cli.command {
+        Command::Reproduce(arguments) => reproduce::run(&arguments),
+        Command::Claim(arguments) => claim::run(&arguments),
+        Command::Check(arguments) => packages::check(&arguments),
+        Command::Init(arguments) => packages::init(&arguments),
+        Command::Identify(_) | Command::Diagnose(_) | Command::Simulate(_) | Command::Bench(_) => {
+            Err(Failure::Output("this command is not there yet".into()))
+        }
+    };
+    match outcome {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::Disagrees) => ExitCode::from(1),
+        Err(Failure::Input(message)) => {
+            eprintln!("error: {message}");
+            ExitCode::from(2)
+        }
+        Err(Failure::Output(message)) => {
+            eprintln!("error: {message}");
+            ExitCode::from(3)
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! Claims and judgements as rows of the ledger and entries of the list of deviations.
+
+use std::collections::BTreeSet;
+
+use report::{ClaimRow, Deviation, Prose, Verdict, literal};
+
+use crate::claims::Claim;
+use crate::judge::{Check, flips_at};
+use crate::judgements::Judged;
+use crate::results::{interval, ours, significant};
+
+/// One row of the ledger.
+pub(super) fn row(
+    claim: &Claim,
+    judged: &Judged,
+    known: &BTreeSet<&str>,
+    anchors: &[(String, Vec<String>)],
+) -> ClaimRow {
+    let mut row = ClaimRow::new(
+        &claim.id,
+        literal(&claim.text),
+        judged.verdict,
+        judged.evidence,
+    );
+    row.locator.clone_from(&claim.locator);
+    row.published = published(claim, judged).into();
+    row.ours = literal(&ours(&judged.checks)).into();
+    row.deviation = deviation(&judged.checks).map(|text| literal(&text).into());
+    row.tolerance = literal(&claim.tolerance_text).into();
+    row.reason = literal(&claim.reason).into();
+    row.flips_at = flips_at(&judged.checks).map(|factor| flip_words(factor).into());
+    row.account = told(&claim.account, known);
+    row.values = judged
+        .checks
+        .iter()
+        .filter_map(|check| check.value_id.clone())
+        .filter(|id| known.contains(id.as_str()))
+        .collect();
+    row.figures = anchors
+        .iter()
+        .filter(|(id, claims)| claims.contains(&claim.id) || claim.figures.contains(id))
+        .map(|(id, _)| id.clone())
+        .collect();
+    row.pinned_by = Some("tests/tests/reproduce.rs".into());
+    row
+}
+
+/// The paper's side: its words or numbers, and the intervals that the checks use.
+fn published(claim: &Claim, judged: &Judged) -> String {
+    let finite =
+        |check: &&Check| check.allowed.lower.is_finite() && check.allowed.upper.is_finite();
+    let printed = |check: &&Check| check.allowed.lower != 0.0 || check.allowed.upper != 0.0;
+    let intervals: Vec<String> = judged
+        .checks
+        .iter()
+        .filter(finite)
+        .filter(printed)
+        .map(|check| format!("{}: {}", check.label, interval(check.allowed, &check.unit)))
+        .collect();
+    if claim.published.is_empty() || intervals.is_empty() {
+        return literal(&claim.published_text);
+    }
+    literal(&format!(
+        "{}. As intervals: {}",
+        claim.published_text,
+        intervals.join("; ")
+    ))
+}
+
+/// How far outside each failing check lies.
+fn deviation(checks: &[Check]) -> Option<String> {
+    let outside: Vec<String> = checks
+        .iter()
+        .filter(|check| check.gap().is_some_and(|gap| gap > 0.0))
+        .map(|check| {
+            let unit = if check.unit == "1" {
+                String::new()
+            } else {
+                format!(" {}", check.unit)
+            };
+            let gap = significant(check.gap().unwrap_or_default());
+            format!("{}: {gap}{unit} outside", check.label)
+        })
+        .collect();
+    (!outside.is_empty()).then(|| outside.join("; "))
+}
+
+fn flip_words(factor: f64) -> String {
+    if factor > 1.0 {
+        format!(
+            "would agree with {} times the tolerance",
+            significant(factor)
+        )
+    } else if factor > 0.0 {
+        format!("agrees down to {} of the tolerance", significant(factor))
+    } else {
+        "agrees with any tolerance".to_owned()
+    }
+}
+
+/// Every claim that is not reproduced and was run, with the class of its cause and what would settle it.
+pub(super) fn deviations(claims: &[(Claim, Judged)], known: &BTreeSet<&str>) -> Vec<Deviation> {
+    claims
+        .iter()
+        .filter(|(_, judged)| !matches!(judged.verdict, Verdict::Reproduced | Verdict::NotRun))
+        .filter_map(|(claim, _)| {
+            Some(Deviation {
+                claim: claim.id.clone(),
+                cause: claim.cause?,
+                account: told(claim.deviation.as_deref()?, known),
+                settles: literal(claim.settles.as_deref()?).into(),
+            })
+        })
+        .collect()
+}
+
+/// A text that names values, if they are all there; in a partial run they need not be.
+fn told(text: &str, known: &BTreeSet<&str>) -> Prose {
+    let named = text
+        .split("(\"")
+        .skip(1)
+        .filter_map(|rest| rest.split_once('"').map(|(id, _)| id));
+    let missing: Vec<&str> = named.filter(|id| !known.contains(id)).collect();
+    if missing.is_empty() {
+        text.into()
+    } else {
+        "The values that this text shows were not computed in this run.".into()
+    }
+}

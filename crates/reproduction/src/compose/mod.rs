@@ -1,0 +1,204 @@
+//! The page: results and the sections of the stages brought together as a document.
+
+mod ledger;
+mod notes;
+
+use std::collections::BTreeSet;
+
+use report::{
+    AuditItem, Block, Document, Drift, Header, Input, NegativeControl, Run, Section, Subject,
+    Value, Verdict,
+};
+
+use crate::results::Results;
+
+/// What the page shows besides the results.
+pub struct Surroundings {
+    /// Command that makes the page again.
+    pub command: String,
+    /// Volatile facts.
+    pub run: Run,
+    /// Comparison with an earlier report.
+    pub drift: Option<Drift>,
+    /// Negative controls that were run.
+    pub controls: Vec<NegativeControl>,
+    /// Provenance of each campaign: name, `synthetic` or `measured`.
+    pub campaigns: Vec<(String, &'static str)>,
+    /// Whether fewer starts and repetitions were used.
+    pub quick: bool,
+}
+
+/// The document of a reproduction.
+#[must_use]
+pub fn document(results: &Results, around: Surroundings) -> Document {
+    let values: Vec<Value> = results.values.values().cloned().collect();
+    let sections: Vec<Section> = results
+        .stages
+        .iter()
+        .filter_map(|stage| stage.output.as_ref().ok())
+        .flat_map(|output| output.sections.clone())
+        .collect();
+    let anchors = anchors(&sections);
+    let known: BTreeSet<&str> = results.values.keys().map(String::as_str).collect();
+    Document {
+        title: "Asymmetric bristle model for steel brush: what holds".into(),
+        lead: lead(results, &around).into(),
+        subject: Subject {
+            reference: "Zhong W., Jin Y., Jin X., Bao R., Huang Z. Asymmetric Bristle Model for Steel Brush and Its Application. Chinese Journal of Solid Mechanics 45(4), 477-487, 2024".into(),
+            doi: Some("10.19636/j.cnki.cjsm42-1250/o3.2024.014".into()),
+        },
+        header: header(results, &around),
+        run: around.run,
+        claims: results
+            .claims
+            .iter()
+            .map(|(claim, judged)| {
+                let mut row = ledger::row(claim, judged, &known, &anchors);
+                row.multiverse = multiverse(results, &claim.id);
+                row
+            })
+            .collect(),
+        deviations: ledger::deviations(&results.claims, &known),
+        audit: audit(results),
+        sections,
+        drift: around.drift,
+        doubts: notes::doubts(),
+        controls: around.controls,
+        synthetic: notes::synthetic(&around.campaigns),
+        unpublished: notes::unpublished(),
+        out_of_scope: notes::out_of_scope(),
+        choices: notes::choices(),
+        glossary: notes::glossary(),
+        results: results.json(),
+        values,
+    }
+}
+
+/// The answer for a reader in a hurry.
+fn lead(results: &Results, around: &Surroundings) -> String {
+    let counts: Vec<String> = counts(results)
+        .into_iter()
+        .map(|(verdict, count)| format!("{count} {}", verdict.word()))
+        .collect();
+    let synthetic = around
+        .campaigns
+        .iter()
+        .filter(|(_, kind)| *kind == "synthetic")
+        .count();
+    let data = match (synthetic, around.campaigns.len()) {
+        (0, _) => "All campaigns are measured.".to_owned(),
+        (all, count) if all == count => {
+            "The paper publishes no measurement: every campaign is a synthetic stand-in, so claims about measurements are at best consistent.".to_owned()
+        }
+        (some, count) => format!("{some} of {count} campaigns are synthetic stand-ins."),
+    };
+    let quick = if around.quick {
+        " Made with `--quick`: fewer starts and repetitions, not for the record."
+    } else {
+        ""
+    };
+    format!(
+        "{} claims: {}. {data}{quick}",
+        results.claims.len(),
+        counts.join(", ")
+    )
+}
+
+/// How often each verdict came out, zeros included.
+#[must_use]
+pub fn counts(results: &Results) -> Vec<(Verdict, usize)> {
+    let count = |verdict| {
+        results
+            .claims
+            .iter()
+            .filter(|(_, judged)| judged.verdict == verdict)
+            .count()
+    };
+    Verdict::ALL
+        .into_iter()
+        .map(|verdict| (verdict, count(verdict)))
+        .collect()
+}
+
+fn header(results: &Results, around: &Surroundings) -> Header {
+    let kind = |path: &str| {
+        let campaign = path
+            .strip_prefix("data/campaigns/")
+            .and_then(|rest| rest.split('/').next());
+        match campaign {
+            Some(name) => around
+                .campaigns
+                .iter()
+                .find(|(known, _)| known == name)
+                .map_or("campaign", |(_, kind)| *kind),
+            None if path == "data/published.toml" => "published numbers",
+            None => "model",
+        }
+    };
+    let inputs: std::collections::BTreeMap<&String, &String> = results
+        .stages
+        .iter()
+        .flat_map(|stage| &stage.inputs)
+        .collect();
+    Header {
+        program: format!("Bristle {}", env!("CARGO_PKG_VERSION")),
+        command: around.command.clone(),
+        inputs: inputs
+            .into_iter()
+            .map(|(path, hash)| Input {
+                path: path.clone(),
+                hash: format!("blake3:{hash}"),
+                kind: kind(path).into(),
+            })
+            .collect(),
+        facts: vec![("threads".into(), "any number gives the same bytes".into())],
+        stages: results
+            .stages
+            .iter()
+            .map(|stage| (stage.id.to_owned(), stage.status()))
+            .collect(),
+        repository: None,
+    }
+}
+
+/// The sums of the audit, as its stage left them.
+fn audit(results: &Results) -> Vec<AuditItem> {
+    artefact(results, |stage, name| stage == "audit" && name == "items").unwrap_or_default()
+}
+
+/// The multiverse of a claim, if a stage left one under `multiverse.CXX`.
+fn multiverse(results: &Results, claim: &str) -> Option<report::Multiverse> {
+    let wanted = format!("multiverse.{claim}");
+    artefact(results, |_, name| name == wanted)
+}
+
+/// The first artefact that is wanted, if it reads as a `T`.
+fn artefact<T: serde::de::DeserializeOwned>(
+    results: &Results,
+    wanted: impl Fn(&str, &str) -> bool,
+) -> Option<T> {
+    results
+        .stages
+        .iter()
+        .filter_map(|stage| Some((stage.id, stage.output.as_ref().ok()?)))
+        .flat_map(|(id, output)| {
+            output
+                .artefacts
+                .iter()
+                .map(move |(name, json)| (id, name, json))
+        })
+        .find(|(id, name, _)| wanted(id, name))
+        .and_then(|(.., json)| serde_json::from_value(json.clone()).ok())
+}
+
+/// Ids of figures and tables with the claims that each says it bears on.
+fn anchors(sections: &[Section]) -> Vec<(String, Vec<String>)> {
+    let blocks = sections.iter().flat_map(|section| &section.blocks);
+    blocks
+        .filter_map(|block| match block {
+            Block::Figure(figure) => Some((figure.id.clone(), figure.claims.clone())),
+            Block::Table(table) => Some((table.id.clone(), table.claims.clone())),
+            _ => None,
+        })
+        .collect()
+}
