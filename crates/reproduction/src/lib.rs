@@ -7,6 +7,7 @@
 pub mod against;
 mod audit;
 pub mod cache;
+mod campaign_page;
 pub mod campaigns;
 pub mod claims;
 pub mod cli;

@@ -185,6 +185,9 @@ pub fn significant(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
     }
+    if value.fract() == 0.0 && value.abs() < 1e6 {
+        return format!("{value:.0}");
+    }
     let exponent = value.abs().log10().floor();
     if (-4.0..6.0).contains(&exponent) {
         let decimals = (3.0 - exponent).clamp(0.0, 12.0) as usize;

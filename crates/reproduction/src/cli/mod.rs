@@ -1,9 +1,13 @@
 //! The command line.
 
 mod claim;
+mod diagnose;
+mod files;
+mod identify;
 mod packages;
 mod reproduce;
 mod root;
+mod simulate;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -202,9 +206,10 @@ pub fn main() -> ExitCode {
         Command::Claim(arguments) => claim::run(&arguments),
         Command::Check(arguments) => packages::check(&arguments),
         Command::Init(arguments) => packages::init(&arguments),
-        Command::Identify(_) | Command::Diagnose(_) | Command::Simulate(_) | Command::Bench(_) => {
-            Err(Failure::Output("this command is not there yet".into()))
-        }
+        Command::Identify(arguments) => identify::run(&arguments),
+        Command::Diagnose(arguments) => diagnose::run(&arguments),
+        Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Bench(_) => Err(Failure::Output("there are no benchmarks yet".into())),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
