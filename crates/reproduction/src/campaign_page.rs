@@ -25,7 +25,10 @@ pub(crate) fn document(
     Document {
         title: format!("{title}: {}", campaign.title),
         lead: lead.into(),
-        subject: Subject { reference: campaign.title.clone(), doi: None },
+        subject: Subject {
+            reference: campaign.title.clone(),
+            doi: None,
+        },
         header: Header {
             program: format!("Bristle {}", env!("CARGO_PKG_VERSION")),
             command: command.to_owned(),
@@ -45,7 +48,13 @@ pub(crate) fn document(
         results,
         synthetic: match campaign.provenance {
             campaign::Provenance::Synthetic => {
-                vec![format!("`{}`: its metadata say that a program made it", literal(&campaign.name)).into()]
+                vec![
+                    format!(
+                        "`{}`: its metadata say that a program made it",
+                        literal(&campaign.name)
+                    )
+                    .into(),
+                ]
             }
             campaign::Provenance::Measured => Vec::new(),
         },
@@ -65,10 +74,24 @@ pub(crate) fn force_unit(campaign: &Campaign) -> &'static str {
 pub(crate) fn residual_figure(campaign: &Campaign, predicted: &[f64], id: &str) -> Figure {
     let mut start = 0;
     let mut series = Vec::new();
-    for (run, ink) in campaign.runs.iter().zip(Ink::ALL).take(SHOWN_RUNS) {
+    for (run, ink) in campaign
+        .runs
+        .iter()
+        .zip((0_u8..).map(Ink::Slot))
+        .take(SHOWN_RUNS)
+    {
         let end = start + run.time_s.len();
-        let residual = run.force_n.iter().zip(&predicted[start..end]).map(|(f, p)| f - p);
-        let points: Vec<[f64; 2]> = run.time_s.iter().zip(residual).map(|(t, r)| [*t, r]).collect();
+        let residual = run
+            .force_n
+            .iter()
+            .zip(&predicted[start..end])
+            .map(|(f, p)| f - p);
+        let points: Vec<[f64; 2]> = run
+            .time_s
+            .iter()
+            .zip(residual)
+            .map(|(t, r)| [*t, r])
+            .collect();
         series.push(Series::dots(&run.name, ink, thinned(points)));
         start = end;
     }
@@ -95,7 +118,13 @@ pub(crate) fn residual_figure(campaign: &Campaign, predicted: &[f64], id: &str) 
 pub(crate) fn fit_figure(campaign: &Campaign, predicted: &[f64], id: &str) -> Figure {
     let run = &campaign.runs[0];
     let against = |force: &[f64]| -> Vec<[f64; 2]> {
-        thinned(run.velocity_m_s.iter().zip(force).map(|(v, f)| [1000.0 * v, *f]).collect())
+        thinned(
+            run.velocity_m_s
+                .iter()
+                .zip(force)
+                .map(|(v, f)| [1000.0 * v, *f])
+                .collect(),
+        )
     };
     let unit = match campaign.axis {
         campaign::Axis::Linear => "mm/s",
@@ -105,8 +134,12 @@ pub(crate) fn fit_figure(campaign: &Campaign, predicted: &[f64], id: &str) -> Fi
         Axis::new("velocity", unit),
         Axis::new("force", force_unit(campaign)),
         vec![
-            Series::dots("recorded", Ink::ALL[0], against(&run.force_n)),
-            Series::line("predicted", Ink::ALL[1], against(&predicted[..run.time_s.len()])),
+            Series::dots("recorded", Ink::DATA, against(&run.force_n)),
+            Series::line(
+                "predicted",
+                Ink::FORWARD,
+                against(&predicted[..run.time_s.len()]),
+            ),
         ],
     );
     Figure::new(

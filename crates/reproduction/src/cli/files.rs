@@ -15,7 +15,9 @@ pub(super) fn law(name: Option<&str>, campaign: &Campaign) -> Result<LawKind, Fa
         None => Ok(diagnosis::default_law(campaign)),
         Some(name) => LawKind::from_id(name).map_err(|_| {
             let near = nearest(name, LawKind::ALL.iter().map(|law| law.id()));
-            Failure::Input(format!("no law is called `{name}`; the nearest name is `{near}`"))
+            Failure::Input(format!(
+                "no law is called `{name}`; the nearest name is `{near}`"
+            ))
         }),
     }
 }
@@ -34,9 +36,9 @@ pub(super) fn model(path: &Path) -> Result<rig::ModelFile, Failure> {
             )));
         }
     }
-    model.extension_from(&catalogue).map_err(|problem| {
-        Failure::Input(format!("{}: {problem}", path.display()))
-    })?;
+    model
+        .extension_from(&catalogue)
+        .map_err(|problem| Failure::Input(format!("{}: {problem}", path.display())))?;
     Ok(model)
 }
 
@@ -48,7 +50,10 @@ pub(super) fn json(path: Option<&Path>, answer: &impl Serialize) -> Result<(), F
 }
 
 /// Writes a page, if a file was named.
-pub(super) fn page(path: Option<&Path>, document: impl FnOnce() -> report::Document) -> Result<(), Failure> {
+pub(super) fn page(
+    path: Option<&Path>,
+    document: impl FnOnce() -> report::Document,
+) -> Result<(), Failure> {
     let Some(path) = path else { return Ok(()) };
     let page = report::render(&document()).map_err(Failure::output)?;
     campaign::write_atomically(path, page.as_bytes()).map_err(Failure::output)

@@ -21,13 +21,24 @@ pub(super) fn run(arguments: &IdentifyArguments) -> Result<Outcome, Failure> {
     print(&found, &word);
     let answer = answer(&found, &laws, &word);
     files::json(arguments.json.as_deref(), &answer)?;
-    files::json(arguments.model_out.as_deref(), &model_file(&campaign, &found))?;
+    files::json(
+        arguments.model_out.as_deref(),
+        &model_file(&campaign, &found),
+    )?;
     let run = provenance::run(&super::root::root()?);
     files::page(arguments.report.as_deref(), || {
         let lead = literal(&word.join(" "));
         let command = format!("cargo xtask identify PACKAGE --law {}", found.law.id());
         let section = section(&campaign, &found, &laws, &word);
-        document(&campaign, "Parameters", lead, &command, run, vec![section], answer.clone())
+        document(
+            &campaign,
+            "Parameters",
+            lead,
+            &command,
+            run,
+            vec![section],
+            answer.clone(),
+        )
     })?;
     Ok(Outcome::Done)
 }
@@ -42,7 +53,11 @@ fn ci95(estimate: &Estimate) -> Option<[f64; 2]> {
 /// What a reader should know before using the numbers, a sentence each.
 fn word(campaign: &Campaign, found: &Identification, laws: &[LawFit]) -> Vec<String> {
     let mut word = Vec::new();
-    let unit = if campaign.runs.iter().any(|run| run.normal_load_n.is_some() || run.normal_force_n.is_some()) {
+    let unit = if campaign
+        .runs
+        .iter()
+        .any(|run| run.normal_load_n.is_some() || run.normal_force_n.is_some())
+    {
         "of the coefficient"
     } else {
         force_unit(campaign)
@@ -67,14 +82,19 @@ fn word(campaign: &Campaign, found: &Identification, laws: &[LawFit]) -> Vec<Str
     }
     let open = found.not_identifiable();
     if !open.is_empty() {
-        word.push(format!("Not identifiable from these data: {}.", open.join(", ")));
+        word.push(format!(
+            "Not identifiable from these data: {}.",
+            open.join(", ")
+        ));
     }
     let bound = found.at_bound();
     if !bound.is_empty() {
         word.push(format!("On a bound: {}.", bound.join(", ")));
     }
     if found.better_found {
-        word.push("A profile met a better point than the fit: the answer is not the minimum.".to_owned());
+        word.push(
+            "A profile met a better point than the fit: the answer is not the minimum.".to_owned(),
+        );
     }
     let better: Vec<&str> = ranked(laws)
         .into_iter()
@@ -98,7 +118,10 @@ fn ranked(laws: &[LawFit]) -> Vec<(&LawFit, f64)> {
         .collect();
     fitted.sort_by(|(_, one), (_, other)| one.total_cmp(other));
     let best = fitted.first().map_or(0.0, |(_, aicc)| *aicc);
-    fitted.into_iter().map(|(law, aicc)| (law, aicc - best)).collect()
+    fitted
+        .into_iter()
+        .map(|(law, aicc)| (law, aicc - best))
+        .collect()
 }
 
 fn print(found: &Identification, word: &[String]) {
@@ -108,7 +131,11 @@ fn print(found: &Identification, word: &[String]) {
             || "no interval".to_owned(),
             |[low, high]| format!("95 % [{}, {}]", significant(low), significant(high)),
         );
-        let note = if estimate.held { "held" } else { estimate.verdict.id() };
+        let note = if estimate.held {
+            "held"
+        } else {
+            estimate.verdict.id()
+        };
         println!(
             "  {:24} {:>12} {:10} {interval}  {note}",
             estimate.name,
@@ -163,22 +190,43 @@ fn answer(found: &Identification, laws: &[LawFit], word: &[String]) -> serde_jso
 
 /// The model with its covariance and the speeds that the data covered.
 fn model_file(campaign: &Campaign, found: &Identification) -> rig::ModelFile {
-    let values: Vec<f64> = found.estimates.iter().take(found.law.parameters().len()).map(|e| e.value).collect();
+    let values: Vec<f64> = found
+        .estimates
+        .iter()
+        .take(found.law.parameters().len())
+        .map(|e| e.value)
+        .collect();
     let mut file = rig::ModelFile::new(found.law, &values, None);
     for (entry, estimate) in file.parameters.iter_mut().zip(&found.estimates) {
         entry.sd = estimate.sd;
         entry.unit.clone_from(&estimate.unit);
     }
     file.covariance = found.covariance.as_ref().map(|covariance| {
-        (0..values.len()).map(|i| (0..values.len()).map(|j| covariance[(i, j)]).collect()).collect()
+        (0..values.len())
+            .map(|i| (0..values.len()).map(|j| covariance[(i, j)]).collect())
+            .collect()
     });
-    let speeds = || campaign.runs.iter().flat_map(|run| &run.velocity_m_s).map(|v| v.abs());
-    file.valid_speed_m_s = Some([speeds().fold(f64::INFINITY, f64::min), speeds().fold(0.0, f64::max)]);
+    let speeds = || {
+        campaign
+            .runs
+            .iter()
+            .flat_map(|run| &run.velocity_m_s)
+            .map(|v| v.abs())
+    };
+    file.valid_speed_m_s = Some([
+        speeds().fold(f64::INFINITY, f64::min),
+        speeds().fold(0.0, f64::max),
+    ]);
     file
 }
 
 /// The one section of the report.
-fn section(campaign: &Campaign, found: &Identification, laws: &[LawFit], word: &[String]) -> Section {
+fn section(
+    campaign: &Campaign,
+    found: &Identification,
+    laws: &[LawFit],
+    word: &[String],
+) -> Section {
     let evidence = Some(crate::evidence_of(campaign.provenance));
     let number = |estimate: &Estimate| match ci95(estimate) {
         Some(ends) => Cell::Interval(estimate.value, ends),
@@ -198,7 +246,15 @@ fn section(campaign: &Campaign, found: &Identification, laws: &[LawFit], word: &
         rows: found
             .estimates
             .iter()
-            .map(|e| vec![e.name.as_str().into(), number(e), e.unit.as_str().into(), e.verdict.id().into(), e.doc.as_str().into()])
+            .map(|e| {
+                vec![
+                    e.name.as_str().into(),
+                    number(e),
+                    e.unit.as_str().into(),
+                    e.verdict.id().into(),
+                    e.doc.as_str().into(),
+                ]
+            })
             .collect(),
         evidence,
         ..Table::default()
@@ -224,7 +280,11 @@ fn section(campaign: &Campaign, found: &Identification, laws: &[LawFit], word: &
         evidence,
         ..Table::default()
     };
-    let honest = Block::notice(NoticeKind::Caution, "An honest word about the fit", literal(&word.join(" ")));
+    let honest = Block::notice(
+        NoticeKind::Caution,
+        "An honest word about the fit",
+        literal(&word.join(" ")),
+    );
     Section {
         id: "identification".into(),
         title: "Identification".into(),

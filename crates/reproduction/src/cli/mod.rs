@@ -4,6 +4,7 @@ mod claim;
 mod diagnose;
 mod files;
 mod identify;
+mod output;
 mod packages;
 mod reproduce;
 mod root;

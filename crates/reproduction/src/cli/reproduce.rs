@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use report::{Block, NegativeControl, Verdict};
+use report::{NegativeControl, Verdict};
 
 use super::root::{out, root};
-use super::{Failure, Outcome, ReproduceArguments};
+use super::{Failure, Outcome, ReproduceArguments, output};
 use crate::cache::{Cache, program_identity};
 use crate::campaigns::Campaigns;
 use crate::claims::{self, Claim};
@@ -128,7 +128,7 @@ pub(super) fn run(arguments: &ReproduceArguments) -> Result<Outcome, Failure> {
         quick: arguments.quick,
     };
     let document = compose::document(&results, surroundings);
-    write(&out, &results, &document, &run)?;
+    output::write(&out, &results, &document, &run)?;
     if let Some(words) = drift_words {
         println!("{words}");
     }
@@ -193,44 +193,6 @@ fn command(arguments: &ReproduceArguments) -> String {
         command += " --quick";
     }
     command
-}
-
-/// Writes tables, figures, results and, last, the report.
-fn write(
-    out: &Path,
-    results: &Results,
-    document: &report::Document,
-    run: &report::Run,
-) -> Result<(), Failure> {
-    let write = |path: &Path, text: &str| {
-        campaign::write_atomically(path, text.as_bytes()).map_err(Failure::output)
-    };
-    let page = report::render(document).map_err(Failure::output)?;
-    for stage in &results.stages {
-        let Ok(output) = &stage.output else { continue };
-        for table in &output.tables {
-            write(
-                &out.join("tables").join(format!("{}.csv", table.name)),
-                &table.csv,
-            )?;
-        }
-    }
-    for block in document.sections.iter().flat_map(|section| &section.blocks) {
-        if let Block::Figure(figure) = block {
-            let svg = report::figure::svg_file(figure).map_err(Failure::output)?;
-            write(
-                &out.join("figures").join(format!("{}.svg", figure.id)),
-                &svg,
-            )?;
-            if let Some(csv) = report::figure::csv_file(figure) {
-                write(&out.join("tables").join(format!("{}.csv", figure.id)), &csv)?;
-            }
-        }
-    }
-    let json =
-        serde_json::to_string_pretty(&results.json_with_run(run)).map_err(Failure::output)?;
-    write(&out.join("results.json"), &(json + "\n"))?;
-    write(&out.join("report.html"), &page)
 }
 
 /// Verdicts and values that are not the pinned ones. What was not run disagrees with nothing.

@@ -7,10 +7,13 @@ use super::{Failure, Outcome, SimulateArguments, files};
 pub(super) fn run(arguments: &SimulateArguments) -> Result<Outcome, Failure> {
     let mut campaign = campaign::open(&arguments.package).map_err(Failure::input)?;
     let file = files::model(&arguments.model)?;
-    let refuse = |problem: String| Failure::Input(format!("{}: {problem}", arguments.model.display()));
+    let refuse =
+        |problem: String| Failure::Input(format!("{}: {problem}", arguments.model.display()));
     let law = file.law_kind().map_err(refuse)?;
     let law_values = file.law_values().map_err(refuse)?;
-    let extension = file.extension_from(&diagnosis::causes::catalogue()).map_err(refuse)?;
+    let extension = file
+        .extension_from(&diagnosis::causes::catalogue())
+        .map_err(refuse)?;
     let (effects, fitted): (Vec<_>, Vec<_>) = extension.into_iter().unzip();
     let experiment = rig::Experiment::new(&campaign).map_err(Failure::input)?;
     let model = rig::Model::new(law, effects, &experiment).map_err(Failure::input)?;
@@ -20,7 +23,9 @@ pub(super) fn run(arguments: &SimulateArguments) -> Result<Outcome, Failure> {
     }
     let predicted = model.predict(&experiment, &parameters);
     if let Some(sample) = predicted.iter().position(|force| !force.is_finite()) {
-        return Err(Failure::Output(format!("the model's force is not finite at sample {sample}")));
+        return Err(Failure::Output(format!(
+            "the model's force is not finite at sample {sample}"
+        )));
     }
     let mut rest = predicted.as_slice();
     for run in &mut campaign.runs {
@@ -31,16 +36,30 @@ pub(super) fn run(arguments: &SimulateArguments) -> Result<Outcome, Failure> {
     campaign.provenance = Provenance::Synthetic;
     campaign.title = format!("{} (as the model predicts it, synthetic)", campaign.title);
     campaign::write(&arguments.out, &campaign).map_err(Failure::output)?;
-    println!("{} runs, {} samples, law {}", campaign.runs.len(), predicted.len(), law.id());
+    println!(
+        "{} runs, {} samples, law {}",
+        campaign.runs.len(),
+        predicted.len(),
+        law.id()
+    );
     for entry in &file.extension {
         println!("extended by {}", entry.cause);
     }
     if let Some([_, fastest]) = file.valid_speed_m_s {
-        let top = campaign.runs.iter().flat_map(|run| &run.velocity_m_s).fold(0.0_f64, |top, v| top.max(v.abs()));
+        let top = campaign
+            .runs
+            .iter()
+            .flat_map(|run| &run.velocity_m_s)
+            .fold(0.0_f64, |top, v| top.max(v.abs()));
         if top > fastest {
-            println!("beyond its data: the model was identified up to {fastest} m/s, the motions go to {top} m/s");
+            println!(
+                "beyond its data: the model was identified up to {fastest} m/s, the motions go to {top} m/s"
+            );
         }
     }
-    println!("package   {}", arguments.out.join("datapackage.json").display());
+    println!(
+        "package   {}",
+        arguments.out.join("datapackage.json").display()
+    );
     Ok(Outcome::Done)
 }
