@@ -1,5 +1,7 @@
 //! The bench: one campaign with its law and catalogue, fits of a law with effects, and the noise beneath them.
 
+use std::ops::Range;
+
 use campaign::Campaign;
 use fitting::noise::{Context, EstimateOptions, NoiseModel, Sizes, Whitener, estimate};
 use fitting::{Bounds, Options as SolverOptions, Residuals, minimise};
@@ -24,6 +26,8 @@ pub(crate) struct Bench<'a> {
     pub(crate) stated_sensor: Option<f64>,
     /// Whether some condition was repeated.
     pub(crate) repeats: bool,
+    /// Samples that say nothing (a clipped channel).
+    pub(crate) masked: Vec<bool>,
 }
 
 /// Knowledge of the law's parameters from a model file: values and the root of their precision.
@@ -77,18 +81,32 @@ impl Prior {
 #[derive(Clone)]
 pub(crate) struct Subset {
     pub(crate) runs: Vec<usize>,
+    /// Places of each run among the rows.
+    ranges: Vec<Range<usize>>,
     rows: Vec<usize>,
     whole: bool,
 }
 
 impl Subset {
     pub(crate) fn new(bench: &Bench<'_>, runs: Vec<usize>) -> Self {
-        let rows: Vec<usize> = runs
-            .iter()
-            .flat_map(|&k| bench.samples.runs[k].clone())
-            .collect();
+        let mut rows: Vec<usize> = Vec::new();
+        let mut ranges = Vec::new();
+        let mut kept = Vec::new();
+        for k in runs {
+            let start = rows.len();
+            rows.extend(bench.samples.runs[k].clone().filter(|&i| !bench.masked[i]));
+            if rows.len() > start {
+                ranges.push(start..rows.len());
+                kept.push(k);
+            }
+        }
         let whole = rows.len() == bench.samples.len();
-        Self { runs, rows, whole }
+        Self {
+            runs: kept,
+            ranges,
+            rows,
+            whole,
+        }
     }
 
     pub(crate) fn all(bench: &Bench<'_>) -> Self {
@@ -114,16 +132,9 @@ impl Subset {
 
     /// The noise's context of these runs.
     pub(crate) fn context(&self, bench: &Bench<'_>, scale: &[f64]) -> Context {
-        let mut runs = Vec::with_capacity(self.runs.len());
-        let mut start = 0;
-        for &k in &self.runs {
-            let n = bench.samples.runs[k].len();
-            runs.push(start..start + n);
-            start += n;
-        }
         let pick = |x: &[f64]| self.rows.iter().map(|&i| x[i]).collect::<Vec<f64>>();
         Context {
-            runs,
+            runs: self.ranges.clone(),
             sliding: pick(&bench.samples.sliding),
             place: pick(&bench.samples.place),
             scale: pick(scale),
@@ -135,7 +146,7 @@ impl Subset {
         if self.whole {
             return bench.samples.clone();
         }
-        bench.samples.select(&self.runs, &self.rows)
+        bench.samples.select(&self.ranges, &self.rows)
     }
 }
 

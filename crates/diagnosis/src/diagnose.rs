@@ -12,13 +12,17 @@ use crate::anatomy::anatomy;
 use crate::bench::{Bench, Prior, Stand, Subset};
 use crate::causes;
 use crate::equivalence::{Contest, SEPARABLE, contest};
+use crate::experiment::{Hypothesis, propose};
 use crate::floor;
+use crate::gain;
 use crate::integrity::{Integrity, inspect};
 use crate::intervals;
+use crate::laws;
 use crate::probability::weight_of_set;
 use crate::samples::Samples;
 use crate::selection::{ALPHA_GENERAL, ALPHA_NAME, Depth, Selected, select};
 use crate::tail::equivalent_z;
+use crate::ties;
 
 /// What the reader asks.
 #[derive(Clone, Debug, Default)]
@@ -132,6 +136,16 @@ pub(crate) fn bench<'a>(
         (Some(full), Some(percent)) => Some(full * percent / 100.0),
         _ => None,
     };
+    // Clipped samples say nothing about the law: the flat top is a finding of its own.
+    let masked = match inspect(campaign, 0.0).saturation {
+        Some(level) => campaign
+            .runs
+            .iter()
+            .flat_map(|r| r.force_n.iter())
+            .map(|f| f.abs() >= level * (1.0 - 1e-9))
+            .collect(),
+        None => vec![false; campaign.runs.iter().map(|r| r.force_n.len()).sum()],
+    };
     Ok(Bench {
         campaign,
         samples: Samples::new(campaign),
@@ -141,6 +155,7 @@ pub(crate) fn bench<'a>(
         prior,
         stated_sensor,
         repeats: campaign.conditions().iter().any(|c| c.len() > 1),
+        masked,
     })
 }
 
@@ -167,9 +182,12 @@ pub fn diagnose_fully(
         .ok_or(DiagnosisError::NoFit(bench.law.id()))?;
     let integrity = inspect(campaign, selected.stand.sizes.sensor);
     let contests: Vec<Contest> = (0..selected.stand.fitted.effects.len())
-        .filter_map(|k| contest(&bench, &subset, &selected.stand, k))
+        .filter_map(|k| contest(&bench, &subset, &selected.stand, &selected.first, k))
         .collect();
-    let answer = assemble(&bench, &subset, &selected, &contests, &integrity);
+    let mut answer = assemble(&bench, &subset, &selected, &contests, &integrity);
+    if !options.quick {
+        complete(&bench, &selected, &contests, &mut answer, options);
+    }
     let extension = extension(&bench, &subset, &selected);
     let curves = curves(&bench, &selected);
     Ok(Diagnosed {
@@ -177,6 +195,80 @@ pub fn diagnose_fully(
         extension,
         curves,
     })
+}
+
+/// Gain by folds, experiments, ties of the design and the other laws.
+fn complete(
+    bench: &Bench<'_>,
+    selected: &Selected,
+    contests: &[Contest],
+    answer: &mut Diagnosis,
+    options: &Options,
+) {
+    let scatter = selected.stand.ground.likeliest_scatter();
+    if let Some(gains) = gain::judge(bench, selected, answer.noise_floor.rmse) {
+        answer.baseline.held_out_rmse = Some(gains.held_out_law);
+        answer.gain = gains.joint;
+        for (k, own) in gains.each.into_iter().enumerate() {
+            let id = bench.catalogue[selected.stand.fitted.effects[k]].id();
+            if let Some(finding) = answer.findings.iter_mut().find(|f| f.cause == id) {
+                finding.gain = own;
+            }
+        }
+    }
+    for (k, contest) in contests.iter().enumerate() {
+        let id = bench.catalogue[selected.stand.fitted.effects[k]].id();
+        let Some(opponent) = contest.opponents.iter().find_map(|o| o.fitted.as_ref()) else {
+            continue;
+        };
+        let proposal = propose(
+            bench,
+            &selected.stand.sizes,
+            &Hypothesis {
+                effects: &selected.stand.fitted.effects,
+                parameters: &selected.stand.fitted.parameters,
+            },
+            &Hypothesis {
+                effects: &opponent.effects,
+                parameters: &opponent.parameters,
+            },
+        );
+        if let (Some(p), Some(finding)) =
+            (proposal, answer.findings.iter_mut().find(|f| f.cause == id))
+            && !finding.equivalent.is_empty()
+        {
+            let text = format!("{} (the two would differ by {:.0} standard deviations)", p.text, p.distance);
+            answer.undecidable.push(crate::answer::Undecidable {
+                causes: std::iter::once(finding.cause.clone())
+                    .chain(finding.equivalent.iter().cloned())
+                    .collect(),
+                because: "this campaign's fits cannot tell them apart".into(),
+                experiment: text.clone(),
+            });
+            finding.experiment = Some(text);
+        }
+    }
+    answer
+        .undecidable
+        .extend(ties::ties(bench, &selected.baseline, &selected.first, scatter));
+    answer.undecidable.extend(ties::lacking(bench));
+    if options.model.is_none() {
+        answer.laws = laws::compare(bench, selected);
+        if let Some(best) = answer.laws.first()
+            && best.law != answer.law
+        {
+            answer.notes.push(format!(
+                "law {} fits this campaign better than {} (corrected Akaike criterion lower by {:.0})",
+                best.law,
+                answer.law,
+                answer
+                    .laws
+                    .iter()
+                    .find(|l| l.law == answer.law)
+                    .map_or(f64::NAN, |l| l.delta_aicc)
+            ));
+        }
+    }
 }
 
 fn assemble(
@@ -251,8 +343,37 @@ fn assemble(
         laws: Vec::<LawFit>::new(),
         hidden: hidden(bench, selected),
         gain: None,
-        notes: Vec::new(),
+        notes: notes(bench, selected),
     }
+}
+
+/// What a reader should not miss.
+fn notes(bench: &Bench<'_>, selected: &Selected) -> Vec<String> {
+    let mut notes = Vec::new();
+    if !selected.baseline.fitted.converged {
+        notes.push("the fit of the law alone did not converge: not converged: iteration limit".to_owned());
+    }
+    if !selected.stand.fitted.converged && !selected.stand.fitted.effects.is_empty() {
+        notes.push("the fit of the extended model did not converge: iteration limit".to_owned());
+    }
+    let model = &selected.baseline.fitted.model;
+    for (spec, value) in model
+        .parameters()
+        .iter()
+        .zip(&selected.baseline.fitted.parameters)
+        .take(model.law_parameters())
+    {
+        if *value <= spec.lower || *value >= spec.upper {
+            notes.push(format!(
+                "with the law alone, {} runs to its bound ({value:.4})",
+                spec.name
+            ));
+        }
+    }
+    if bench.samples.temperature.is_none() {
+        notes.push("no temperature is recorded: its share of the residual cannot be shown".to_owned());
+    }
+    notes
 }
 
 /// A named cause as it stands in the answer.

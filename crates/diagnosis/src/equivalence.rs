@@ -9,20 +9,19 @@
 //! ```
 //!
 //! A rival with D_r below 4.7 (d' sqrt(1 - cos^2) < 4.7: two hypotheses told apart in 99 % of cases, 27 causes
-//! compared) belongs to the set. Rivals near the limit are fitted to the effect without linearising. Sizes keep their
-//! physical sign: a lag is not the opposite of another.
+//! compared) belongs to the set. The rivals near it are also fitted to the data in the cause's place.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::bench::{Bench, Fitted, Stand, Subset};
 use crate::ground::{Ground, orthonormal};
-use crate::scan::{Ray, Scan, extended, scan};
-use crate::selection::without;
+use crate::scan::{Ray, Scan, extended, scan_without};
+use crate::selection::{is_dear, without};
 
 /// Distance below which no test separates two causes.
 pub(crate) const SEPARABLE: f64 = 4.7;
-/// Rivals with linear distances up to this are fitted to the effect.
+/// Rivals with distances up to this are fitted to the data.
 const NEAR: f64 = 8.0;
 
 /// A rival of a named cause.
@@ -39,18 +38,20 @@ pub(crate) struct Opponent {
 
 /// A named cause against the catalogue.
 pub(crate) struct Contest {
-    /// Length of the effect in the noise's units, d'.
-    pub(crate) length: f64,
     /// Deviance that the cause saves when it comes last.
     pub(crate) saved: f64,
     /// Rivals, nearest first.
     pub(crate) opponents: Vec<Opponent>,
-    /// Scan beside the model without the cause.
-    pub(crate) scan: Scan,
 }
 
 /// Sets the k-th effect of a fitted model against all other causes.
-pub(crate) fn contest(bench: &Bench<'_>, subset: &Subset, stand: &Stand, k: usize) -> Option<Contest> {
+pub(crate) fn contest(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    first: &Scan,
+    k: usize,
+) -> Option<Contest> {
     let full = &stand.fitted;
     let scatter = stand.ground.likeliest_scatter();
     let rest: Vec<usize> = (0..full.effects.len())
@@ -69,7 +70,17 @@ pub(crate) fn contest(bench: &Bench<'_>, subset: &Subset, stand: &Stand, k: usiz
         converged: full.converged,
     };
     let beside = Stand::new(bench, subset, bare, stand.sizes);
-    let found = scan(bench, subset, &beside, scatter);
+    // A rival that imitates the effect would have scored beside the law alone nearly as well as the cause itself.
+    let best = first.candidates.first().map_or(0.0, |c| c.score.z());
+    let skipped: Vec<usize> = first
+        .candidates
+        .iter()
+        .filter(|c| {
+            is_dear(bench, c.cause) && full.effects.len() == 1 && best > 5.0 && c.score.z() < 0.3 * best
+        })
+        .map(|c| c.cause)
+        .collect();
+    let found = scan_without(bench, subset, &beside, scatter, &skipped);
     let effect = DMatrix::from_iterator(
         bench.samples.len(),
         1,
@@ -87,7 +98,7 @@ pub(crate) fn contest(bench: &Bench<'_>, subset: &Subset, stand: &Stand, k: usiz
         if bench.catalogue[candidate.cause].id() == bench.catalogue[own].id() {
             continue;
         }
-        let separation = nearest(bench, &beside.ground, &found.rays, candidate.cause, &projected, scatter)
+        let separation = nearest(&beside.ground, &found.rays, candidate.cause, &projected, scatter)
             .unwrap_or(length);
         opponents.push(Opponent {
             cause: candidate.cause,
@@ -101,13 +112,14 @@ pub(crate) fn contest(bench: &Bench<'_>, subset: &Subset, stand: &Stand, k: usiz
     let checked: Vec<Opponent> = opponents
         .into_par_iter()
         .map(|mut opponent| {
-            if opponent.separation > NEAR.max(0.5 * length) {
-                return opponent;
+            let candidate = found.candidates.iter().find(|c| c.cause == opponent.cause);
+            if opponent.separation < NEAR
+                && let Some(candidate) = candidate
+                && let Some((fit, excess)) = replace(bench, subset, stand, &beside, candidate, &whitener)
+            {
+                opponent.excess_deviance = excess;
+                opponent.fitted = Some(fit);
             }
-            let Some(candidate) = found.candidates.iter().find(|c| c.cause == opponent.cause) else {
-                return opponent;
-            };
-            imitate(bench, subset, stand, &beside, candidate, &whitener, &mut opponent);
             opponent
         })
         .collect();
@@ -122,68 +134,30 @@ pub(crate) fn contest(bench: &Bench<'_>, subset: &Subset, stand: &Stand, k: usiz
         .fit(subset, &beside.fitted.effects, &start, &whitener, None, 20)
         .map_or(length * length, |fit| stand.deviance_of(bench, subset, &fit) - stand.deviance);
     Some(Contest {
-        length,
         saved,
         opponents,
-        scan: found,
     })
 }
 
-/// Fits the rival to the data and, from there, to the noise-free effect.
-fn imitate(
+/// Fits the rival to the data in the cause's place.
+fn replace(
     bench: &Bench<'_>,
     subset: &Subset,
     stand: &Stand,
     beside: &Stand,
     candidate: &crate::scan::Candidate,
     whitener: &fitting::noise::Whitener,
-    opponent: &mut Opponent,
-) {
+) -> Option<(Fitted, f64)> {
     let mut effects = beside.fitted.effects.clone();
     effects.push(candidate.cause);
-    let mut best: Option<(Fitted, f64)> = None;
-    for own in candidate.starts.iter().take(2) {
-        let Some((_, start)) = extended(bench, &beside.fitted, candidate.cause, own) else {
-            continue;
-        };
-        let Some(fit) = bench.fit(subset, &effects, &start, whitener, None, 15) else {
-            continue;
-        };
-        let deviance = stand.deviance_of(bench, subset, &fit);
-        if best.as_ref().is_none_or(|b| deviance < b.1) {
-            best = Some((fit, deviance));
-        }
-    }
-    let Some((fit, deviance)) = best else { return };
-    opponent.excess_deviance = deviance - stand.deviance;
-    // Noise-free: the rival fitted to what the named model predicts.
-    if let Some(copy) = bench.fit(
-        subset,
-        &effects,
-        &fit.parameters,
-        whitener,
-        Some(&stand.fitted.prediction),
-        15,
-    ) {
-        let exact = (2.0 * copy.cost).max(0.0).sqrt();
-        opponent.separation = if copy.converged {
-            exact
-        } else {
-            exact.min(opponent.separation)
-        };
-    }
-    opponent.fitted = Some(fit);
+    let (_, start) = extended(bench, &beside.fitted, candidate.cause, candidate.starts.first()?)?;
+    let fit = bench.fit(subset, &effects, &start, whitener, None, 10)?;
+    let excess = stand.deviance_of(bench, subset, &fit) - stand.deviance;
+    Some((fit, excess))
 }
 
 /// The smallest distance (D3) over a rival's rays.
-fn nearest(
-    bench: &Bench<'_>,
-    ground: &Ground,
-    rays: &[Ray],
-    cause: usize,
-    effect: &DVector<f64>,
-    scatter: f64,
-) -> Option<f64> {
+fn nearest(ground: &Ground, rays: &[Ray], cause: usize, effect: &DVector<f64>, scatter: f64) -> Option<f64> {
     let n = effect.len();
     let flat = ground.descatter(&DMatrix::from_column_slice(n, 1, effect.as_slice()), scatter);
     let flat: DVector<f64> = flat.column(0).into_owned();
@@ -192,11 +166,10 @@ fn nearest(
         .map(|ray| {
             let (basis, back) =
                 orthonormal(&ground.descatter(&ray.direction.columns, scatter), 1e-6);
-            let along = basis.tr_mul(&flat);
-            if basis.ncols() == 1 && !ray.admits(bench, (back[(0, 0)] * along[0]).signum()) {
-                return flat.norm();
-            }
-            (flat.norm_squared() - along.norm_squared()).max(0.0).sqrt()
+            let size = back * basis.tr_mul(&flat);
+            // The best imitation, subtracted before the scatter's root: what is left keeps its share between runs.
+            let left = effect - &ray.direction.columns * size;
+            ground.distance(&left, scatter)
         })
         .min_by(f64::total_cmp)
 }

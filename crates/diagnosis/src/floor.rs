@@ -1,5 +1,7 @@
 //! Errors in the unit in which they are stated, and the floor below which they cannot fall.
 
+use fitting::noise::Sizes;
+
 use crate::answer::NoiseFloor;
 use crate::bench::Bench;
 use crate::selection::Selected;
@@ -38,23 +40,26 @@ pub(crate) fn squares(bench: &Bench<'_>, prediction: &[f64], runs: Option<&[usiz
     (sum, count)
 }
 
-/// The floor: within repeats where there are some, else by the noise model without what the plate repeats.
-pub(crate) fn noise_floor(bench: &Bench<'_>, selected: &Selected) -> NoiseFloor {
-    let sizes = selected.stand.sizes;
-    let measured = identification::repeat_floor(bench.campaign);
-    let prediction = &selected.stand.fitted.prediction;
-    let n = prediction.len() as f64;
+/// Standard deviation within repeats by the noise model.
+pub(crate) fn modelled(bench: &Bench<'_>, prediction: &[f64], sizes: &Sizes) -> f64 {
     let relative = sizes.private.powi(2) + sizes.scatter.powi(2);
-    let modelled = (prediction
+    let sum: f64 = prediction
         .iter()
         .zip(&bench.samples.load)
         .map(|(f, load)| {
             let unit = if bench.samples.loaded && *load > 0.0 { *load } else { 1.0 };
             (sizes.sensor.powi(2) + relative * f * f) / (unit * unit)
         })
-        .sum::<f64>()
-        / n)
-        .sqrt();
+        .sum();
+    (sum / prediction.len().max(1) as f64).sqrt()
+}
+
+/// The floor: within repeats where there are some, else by the noise model without what the plate repeats.
+pub(crate) fn noise_floor(bench: &Bench<'_>, selected: &Selected) -> NoiseFloor {
+    let sizes = selected.stand.sizes;
+    let measured = identification::repeat_floor(bench.campaign);
+    let prediction = &selected.stand.fitted.prediction;
+    let modelled = modelled(bench, prediction, &sizes);
     let mut caveats = Vec::new();
     if measured.is_none() {
         caveats.push(

@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 use crate::answer::Place;
 use crate::ground::{Ground, Score};
 use crate::samples::Samples;
-use crate::tail::{log_chi2_tail, log_sum};
+use crate::tail::log_chi2_tail;
 
 /// One family of hats.
 pub(crate) struct Hats {
@@ -239,44 +239,64 @@ fn locate(family: &Hats, z: &[f64], samples: &Samples, names: &[String]) -> Opti
     })
 }
 
-/// Short bursts: stretches of whitened residual whose mean square is above what the campaign's own tails allow.
+/// Short bursts: stretches of whitened residual whose mean square is above what the same stretch shows in the other
+/// runs, and above what the campaign's own tails allow.
 pub(crate) fn bursts(ground: &Ground, samples: &Samples, names: &[String]) -> Lack {
     const WINDOW: usize = 40;
     let y = ground.y.rows(0, samples.len()).into_owned();
     let n = y.len() as f64;
     let mean = y.norm_squared() / n;
-    // Robust spread of squares: tails of the noise itself must not look like bursts.
-    let fourth = y.iter().map(|x| (x * x / mean - 1.0).powi(2)).sum::<f64>() / n;
-    let spread = fourth.max(2.0).sqrt();
-    let mut best = (0.0, 0, 0);
-    let mut count = 0_usize;
+    // Run, first sample, place in the run, mean square.
+    let mut windows: Vec<(usize, usize, usize, f64)> = Vec::new();
     for (k, run) in samples.runs.iter().enumerate() {
         let mut start = run.start;
         while start + WINDOW <= run.end {
-            let power: f64 = y.as_slice()[start..start + WINDOW]
+            let power = y.as_slice()[start..start + WINDOW]
                 .iter()
-                .map(|x| x * x / mean - 1.0)
-                .sum();
-            let z = power / (spread * (WINDOW as f64).sqrt());
-            count += 1;
-            if z > best.0 {
-                best = (z, k, start);
-            }
+                .map(|x| x * x / mean)
+                .sum::<f64>();
+            windows.push((k, start, (start - run.start) / (WINDOW / 2), power / WINDOW as f64));
             start += WINDOW / 2;
         }
     }
-    if count == 0 {
-        return Lack { log_p: 0.0, place: None, excess: 0.0 };
+    let nothing = Lack {
+        log_p: 0.0,
+        place: None,
+        excess: 0.0,
+    };
+    if windows.len() < 20 {
+        return nothing;
     }
-    let (z, k, start) = best;
-    // A window's mean square is skewed: Wilson-Hilferty's cube root makes its tail that of a normal.
-    let nu = 2.0 * WINDOW as f64 / (spread * spread);
-    let ratio = (1.0 + z * spread / (WINDOW as f64).sqrt()).max(0.0);
-    let normal = (ratio.cbrt() - (1.0 - 2.0 / (9.0 * nu))) / (2.0 / (9.0 * nu)).sqrt();
-    let log_p = log_chi2_tail(normal.max(0.0).powi(2), 1) - 2.0_f64.ln();
-    let end = (start + WINDOW - 1).min(samples.runs[k].end - 1);
+    // The same stretch in all runs: its median, never below the campaign's.
+    let middle = |of: &mut Vec<f64>| -> f64 {
+        of.sort_by(f64::total_cmp);
+        of[of.len() / 2]
+    };
+    let mut all: Vec<f64> = windows.iter().map(|w| w.3).collect();
+    let typical = middle(&mut all);
+    let ratios: Vec<f64> = windows
+        .iter()
+        .map(|w| {
+            let mut same: Vec<f64> = windows.iter().filter(|o| o.2 == w.2).map(|o| o.3).collect();
+            let own = if same.len() >= 4 { middle(&mut same) } else { typical };
+            w.3 / own.max(typical)
+        })
+        .collect();
+    // Spread of the logarithms, robust (quartiles): heavy tails of the noise itself widen it.
+    let mut logs: Vec<f64> = ratios.iter().map(|r| r.max(1e-12).ln()).collect();
+    logs.sort_by(f64::total_cmp);
+    let quartile = |q: f64| logs[((logs.len() - 1) as f64 * q) as usize];
+    let spread = ((quartile(0.75) - quartile(0.25)) / 1.349).max((2.0 / WINDOW as f64).sqrt());
+    let best = (0..windows.len())
+        .max_by(|&a, &b| ratios[a].total_cmp(&ratios[b]))
+        .unwrap_or(0);
+    // Logarithms of mean squares are nearly normal; their upper tail is a little heavier than that.
+    let z = (ratios[best].max(1e-12).ln() - quartile(0.5)) / (1.25 * spread);
+    let log_p = log_chi2_tail(z.max(0.0).powi(2), 1) - 2.0_f64.ln() + (windows.len() as f64).ln();
+    let (k, start, _, power) = windows[best];
+    let end = start + WINDOW - 1;
     Lack {
-        log_p: log_sum(log_p + (count as f64).ln(), f64::NEG_INFINITY).min(0.0),
+        log_p: log_p.min(0.0),
         place: Some(Place {
             axis: "time".into(),
             from: samples.time[start],
@@ -284,6 +304,6 @@ pub(crate) fn bursts(ground: &Ground, samples: &Samples, names: &[String]) -> La
             unit: "s".into(),
             runs: vec![names[k].clone()],
         }),
-        excess: (ratio - 1.0).max(0.0) * WINDOW as f64,
+        excess: ((power - 1.0) * WINDOW as f64).max(0.0),
     }
 }

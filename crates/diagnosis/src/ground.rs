@@ -22,7 +22,9 @@
 use fitting::noise::ScatterEvidence;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use crate::tail::{equivalent_z, log_chi2_tail, log_sum};
+use crate::bench::Bench;
+use crate::scan::Ray;
+use crate::tail::{equivalent_z, log_chi2_tail, log_sum, normal_deviate};
 
 /// Columns that keep less than this share of their length after projection are not tested: the law absorbs them.
 pub(crate) const ABSORBED: f64 = 1e-4;
@@ -43,8 +45,6 @@ pub(crate) struct Ground {
 pub(crate) struct Direction {
     /// Orthonormal columns of the projected effect (n x k).
     pub(crate) columns: DMatrix<f64>,
-    /// Share of the whitened effect's length that the model does not absorb (largest column).
-    pub(crate) kept: f64,
     /// The map from the orthonormal columns' coefficients to those of the given columns.
     back: DMatrix<f64>,
 }
@@ -154,7 +154,6 @@ impl Ground {
         let (columns, back) = orthonormal(&usable, 1e-5);
         (columns.ncols() > 0).then_some(Direction {
             columns,
-            kept,
             back,
         })
     }
@@ -246,22 +245,33 @@ impl Ground {
         Some((u.dot(&solved), log_det, solved))
     }
 
-    /// Length of a projected, whitened effect when a scatter s between runs must be told from it: sqrt(d' V(s)^-1 d).
+    /// Length of a projected, whitened effect in the noise's units. What lives between runs is told against a scatter that
+    /// is itself estimated from the runs: that part counts as the normal deviate with the tail of Student's t.
     pub(crate) fn distance(&self, projected: &DVector<f64>, scatter: f64) -> f64 {
-        self.inner(projected, projected, scatter).max(0.0).sqrt()
+        let along = self.gains.tr_mul(projected);
+        let s2 = scatter * scatter;
+        let (mut shared, mut between) = (0.0, 0.0);
+        for (a, l) in along.iter().zip(&self.lambda) {
+            shared += a * a / l;
+            between += a * a / l / (1.0 + s2 * l);
+        }
+        let within = (projected.norm_squared() - shared).max(0.0);
+        let freedom = (self.lambda.len() as f64 - 1.0).max(1.0);
+        (within + normal_deviate(between.sqrt(), freedom).powi(2)).sqrt()
     }
 
-    /// a'V(s)^-1 b of projected, whitened vectors.
-    pub(crate) fn inner(&self, a: &DVector<f64>, b: &DVector<f64>, scatter: f64) -> f64 {
-        let s2 = scatter * scatter;
-        let (ga, gb) = (self.gains.tr_mul(a), self.gains.tr_mul(b));
-        let lost: f64 = self
-            .lambda
-            .iter()
-            .enumerate()
-            .map(|(m, l)| s2 / (1.0 + s2 * l) * ga[m] * gb[m])
-            .sum();
-        a.dot(b) - lost
+    /// Standard deviation of a cause's first size, by its first tangent or chord.
+    pub(crate) fn size_deviation(
+        &self,
+        bench: &Bench<'_>,
+        rays: &[Ray],
+        cause: usize,
+        scatter: f64,
+    ) -> Option<f64> {
+        let ray = rays.iter().find(|r| r.cause == cause)?;
+        let against = self.gains.tr_mul(&ray.direction.columns);
+        let sd = self.deviations(scatter, &ray.direction, &against);
+        Some(sd.first()? * ray.unit_size(bench).abs())
     }
 
     /// The scatter of largest restricted likelihood beside the fitted model.

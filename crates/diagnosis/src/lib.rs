@@ -9,21 +9,27 @@ mod anatomy;
 pub mod answer;
 mod bench;
 pub mod causes;
+mod design;
 mod diagnose;
 mod equivalence;
+mod experiment;
 mod floor;
+mod gain;
 mod general;
 mod ground;
 mod integrity;
 mod intervals;
+mod laws;
 mod periodic;
 mod probability;
 mod samples;
 mod scan;
 mod selection;
 mod tail;
+mod ties;
 
 pub use answer::{Design, Diagnosis, Finding, Status};
+pub use design::design;
 pub use diagnose::{
     Curves, Diagnosed, DiagnosisError, Options, default_law, diagnose, diagnose_fully,
 };

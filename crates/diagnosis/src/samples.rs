@@ -104,20 +104,15 @@ impl Samples {
         &self.heading
     }
 
-    /// The samples at these rows, run by run.
-    pub(crate) fn select(&self, runs: &[usize], rows: &[usize]) -> Self {
+    /// The samples at these rows, whose runs take these places.
+    pub(crate) fn select(&self, ranges: &[Range<usize>], rows: &[usize]) -> Self {
         let pick = |x: &[f64]| rows.iter().map(|&i| x[i]).collect::<Vec<f64>>();
-        let mut ranges = Vec::with_capacity(runs.len());
         let mut owner = Vec::with_capacity(rows.len());
-        let mut start = 0;
-        for (place, &k) in runs.iter().enumerate() {
-            let n = self.runs[k].len();
-            ranges.push(start..start + n);
-            owner.extend(std::iter::repeat_n(place, n));
-            start += n;
+        for (place, range) in ranges.iter().enumerate() {
+            owner.extend(std::iter::repeat_n(place, range.len()));
         }
         Self {
-            runs: ranges,
+            runs: ranges.to_vec(),
             owner,
             time: pick(&self.time),
             velocity: pick(&self.velocity),

@@ -23,8 +23,6 @@ pub(crate) struct Candidate {
     pub(crate) score: Score,
     /// Logarithm of the tail probability, the search over shapes paid for.
     pub(crate) log_p: f64,
-    /// Share of the signature's length that the model does not absorb.
-    pub(crate) kept: f64,
     /// Size of the first size parameter for one unit of the score's coefficients.
     pub(crate) unit: f64,
 }
@@ -49,25 +47,6 @@ pub(crate) struct Ray {
 }
 
 impl Ray {
-    /// Whether the bounds of the cause allow a size of this sign along the ray.
-    pub(crate) fn admits(&self, bench: &Bench<'_>, sign: f64) -> bool {
-        if self.chord.is_some() {
-            return sign > 0.0;
-        }
-        let effect = &bench.catalogue[self.cause];
-        let specs = effect.parameters_for(&bench.experiment);
-        match effect.sizes() {
-            [only] => {
-                if sign > 0.0 {
-                    specs[*only].upper > 0.0
-                } else {
-                    specs[*only].lower < 0.0
-                }
-            }
-            _ => true,
-        }
-    }
-
     /// Reported size of the first size parameter for one unit along the ray.
     pub(crate) fn unit_size(&self, bench: &Bench<'_>) -> f64 {
         let first = bench.catalogue[self.cause].sizes()[0];
@@ -172,13 +151,47 @@ fn period(bench: &Bench<'_>, cause: usize) -> Option<(usize, bool)> {
 
 /// Scans the catalogue beside a fitted model; causes in the model are left out.
 pub(crate) fn scan(bench: &Bench<'_>, subset: &Subset, stand: &Stand, scatter: f64) -> Scan {
+    let peaks = Peaks::find(bench, subset, stand, scatter);
+    scan_with(bench, subset, stand, &peaks, &[])
+}
+
+/// The same without some causes.
+pub(crate) fn scan_without(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    scatter: f64,
+    skipped: &[usize],
+) -> Scan {
+    let peaks = Peaks::find(bench, subset, stand, scatter);
+    scan_with(bench, subset, stand, &peaks, skipped)
+}
+
+/// The signatures of all causes where there is no residual to search: periods in the middle of their range.
+pub(crate) fn scan_nominal(bench: &Bench<'_>, subset: &Subset, stand: &Stand, scatter: f64) -> Scan {
+    let mut peaks = Peaks::find(bench, subset, stand, scatter);
+    let longest = |x: &[f64]| x.iter().fold(0.0_f64, |m, v| m.max(v.abs())).max(1e-9);
+    peaks.place = vec![20.0 / longest(&bench.samples.sliding)];
+    peaks.time = vec![10.0 / longest(&bench.samples.time)];
+    scan_with(bench, subset, stand, &peaks, &[])
+}
+
+fn scan_with(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    peaks: &Peaks,
+    skipped: &[usize],
+) -> Scan {
     let fitted = &stand.fitted;
     let mut tasks: Vec<(usize, Vec<f64>, bool)> = Vec::new();
     let mut paths: Vec<f64> = vec![0.0; bench.catalogue.len()];
-    let peaks = Peaks::find(bench, subset, stand, scatter);
     for cause in 0..bench.catalogue.len() {
         let effect = &bench.catalogue[cause];
-        if fitted.effects.contains(&cause) || effect.is_data_integrity() {
+        if fitted.effects.contains(&cause)
+            || effect.is_data_integrity()
+            || skipped.contains(&cause)
+        {
             continue;
         }
         if effect.is_periodic() {
@@ -281,7 +294,6 @@ fn collect(
             cause,
             starts,
             log_p: look_elsewhere(&best.1, path),
-            kept: best.0.direction.kept,
             unit: best.0.unit_size(bench).abs(),
             score: best.1.clone(),
         });

@@ -21,7 +21,7 @@ pub(crate) const ALPHA_GENERAL: f64 = 0.004;
 /// Most causes that are named together.
 const MOST_EFFECTS: usize = 4;
 /// Joint fits tried in each round.
-const SURVIVORS: usize = 7;
+const SURVIVORS: usize = 6;
 /// A catalogue's shape is taken to be right to this share of an effect's amplitude: less than its square of what is
 /// explained may be the wrong shape of a named cause, and is no ground for naming another.
 pub(crate) const SHAPE_TOLERANCE: f64 = 0.15;
@@ -126,13 +126,15 @@ fn joint_fits(
         .map(|candidate| {
             let whitener = stand.whitener.with_scatter(&context, candidate.score.scatter);
             let mut best: Option<(Fitted, f64)> = None;
+            let dear = is_dear(bench, candidate.cause);
+            let (starts, limit) = if dear { (1, 10) } else { (starts, 20) };
             for own in candidate.starts.iter().take(starts) {
                 let Some((_, start)) = extended(bench, &stand.fitted, candidate.cause, own) else {
                     continue;
                 };
                 let mut effects = stand.fitted.effects.clone();
                 effects.push(candidate.cause);
-                let Some(fit) = bench.fit(subset, &effects, &start, &whitener, None, 25) else {
+                let Some(fit) = bench.fit(subset, &effects, &start, &whitener, None, limit) else {
                     continue;
                 };
                 let deviance = stand.deviance_of(bench, subset, &fit);
@@ -161,9 +163,14 @@ fn survivors<'a>(found: &'a Scan, threshold: f64, most: usize) -> Vec<&'a Candid
     found
         .candidates
         .iter()
-        .filter(|c| c.log_p < threshold || c.score.z() > 0.6 * best)
+        .filter(|c| c.score.z() > 0.6 * best && (c.log_p < threshold || c.score.z() > 0.8 * best))
         .take(most)
         .collect()
+}
+
+/// Whether a cause's mechanics are dear to compute (a mass on a cord).
+pub(crate) fn is_dear(bench: &Bench<'_>, cause: usize) -> bool {
+    bench.catalogue[cause].reach() == rig::Reach::Coupling
 }
 
 /// The whole selection; `None` where the law itself cannot be computed on the campaign.
@@ -183,8 +190,8 @@ pub(crate) fn select(
     let mut singles: Vec<Single> = Vec::new();
     let mut entry: Vec<f64> = Vec::new();
     let mut chosen: Option<Stand> = None;
-    let most = if depth == Depth::Full { SURVIVORS } else { 4 };
-    let starts = if depth == Depth::Full { 3 } else { 1 };
+    let most = if depth == Depth::Full { SURVIVORS } else { 3 };
+    let starts = if depth == Depth::Full { 2 } else { 1 };
     let mut explained = 0.0;
     for round in 0..MOST_EFFECTS {
         let later;

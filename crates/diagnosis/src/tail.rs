@@ -1,5 +1,6 @@
 //! Tail probabilities far out, where they underflow: their logarithms.
 
+use statrs::distribution::{Continuous, ContinuousCDF, StudentsT};
 use statrs::function::erf::erfc;
 use statrs::function::gamma::ln_gamma;
 
@@ -56,6 +57,20 @@ pub(crate) fn equivalent_z(log_p: f64) -> f64 {
         }
     }
     0.5 * (lo + hi)
+}
+
+/// The normal deviate with the two-sided tail of Student's t at `t` with `freedom` degrees.
+pub(crate) fn normal_deviate(t: f64, freedom: f64) -> f64 {
+    let Ok(student) = StudentsT::new(0.0, 1.0, freedom) else {
+        return t;
+    };
+    let tail = 2.0 * student.sf(t);
+    let log_tail = if tail > 1e-200 {
+        tail.ln()
+    } else {
+        (2.0_f64).ln() + student.ln_pdf(t) + (t / freedom).ln()
+    };
+    equivalent_z(log_tail).min(t)
 }
 
 #[cfg(test)]

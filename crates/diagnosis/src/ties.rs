@@ -1,0 +1,161 @@
+//! What a design cannot tell apart, whatever the size: causes that the law absorbs, causes whose signatures are one, and
+//! causes for which the campaign lacks what they need.
+
+use rig::Cause;
+
+use crate::answer::Undecidable;
+use crate::bench::{Bench, Stand};
+use crate::equivalence::sine;
+use crate::experiment::{Hypothesis, propose};
+use crate::scan::{Scan, extended};
+
+/// Two signatures closer than this (sine of their angle) are one: an effect of twenty times its threshold, d' = 94,
+/// would still not reach the distance 4.7.
+const ONE: f64 = 0.05;
+
+/// Groups of causes that the design ties together, with the experiment that would break each tie.
+pub(crate) fn ties(bench: &Bench<'_>, stand: &Stand, scan: &Scan, scatter: f64) -> Vec<Undecidable> {
+    let mut causes: Vec<usize> = scan.candidates.iter().map(|c| c.cause).collect();
+    causes.sort_unstable();
+    causes.retain(|&c| !bench.catalogue[c].is_periodic());
+    let mut group: Vec<usize> = (0..causes.len()).collect();
+    for i in 0..causes.len() {
+        for j in 0..i {
+            let same = bench.catalogue[causes[i]].id() == bench.catalogue[causes[j]].id();
+            let close = sine(&stand.ground, &scan.rays, causes[i], causes[j], scatter)
+                .is_some_and(|s| s < ONE);
+            if close && !same && group[i] != group[j] {
+                let (a, b) = (group[i], group[j]);
+                group.iter_mut().filter(|g| **g == a).for_each(|g| *g = b);
+            }
+        }
+    }
+    let mut out = Vec::new();
+    for leader in 0..causes.len() {
+        let members: Vec<usize> = (0..causes.len()).filter(|&i| group[i] == leader).collect();
+        if members.len() < 2 {
+            continue;
+        }
+        let mut ids: Vec<String> = members
+            .iter()
+            .map(|&i| bench.catalogue[causes[i]].id().to_owned())
+            .collect();
+        ids.sort();
+        ids.dedup();
+        if ids.len() < 2 {
+            continue;
+        }
+        let experiment = break_tie(bench, stand, scan, causes[members[0]], causes[members[1]]);
+        out.push(Undecidable {
+            because: why(bench, &ids),
+            causes: ids,
+            experiment,
+        });
+    }
+    for &cause in &scan.absorbed {
+        let effect: &dyn Cause = bench.catalogue[cause].as_ref();
+        out.push(Undecidable {
+            causes: vec![effect.id().to_owned()],
+            because: "the law's own parameters absorb it".into(),
+            experiment: absorbed_remedy(effect.id()).into(),
+        });
+    }
+    out
+}
+
+/// Causes that the campaign's record cannot show at all.
+pub(crate) fn lacking(bench: &Bench<'_>) -> Vec<Undecidable> {
+    let mut out: Vec<Undecidable> = Vec::new();
+    for cause in crate::causes::catalogue() {
+        if !cause.applies_to(bench.law) {
+            continue;
+        }
+        if let Some(lack) = cause.lack(&bench.experiment) {
+            let because = lack.lack().to_owned();
+            match out.iter_mut().find(|u| u.because == because) {
+                Some(entry) => {
+                    if !entry.causes.iter().any(|id| id == cause.id()) {
+                        entry.causes.push(cause.id().to_owned());
+                    }
+                }
+                None => out.push(Undecidable {
+                    causes: vec![cause.id().to_owned()],
+                    experiment: remedy(lack).into(),
+                    because,
+                }),
+            }
+        }
+    }
+    out.iter_mut().for_each(|u| u.causes.sort());
+    out
+}
+
+fn remedy(lack: rig::Requirement) -> &'static str {
+    match lack {
+        rig::Requirement::Load => "record the normal load",
+        rig::Requirement::TwoLoads => "repeat two runs at twice the load",
+        rig::Requirement::Order => "write down the order of the runs",
+        rig::Requirement::Clock => "write down when each run started",
+        rig::Requirement::BothDirections => "repeat a run in the other direction",
+        rig::Requirement::Reversals => "add a run that reverses",
+    }
+}
+
+fn absorbed_remedy(cause: &str) -> &'static str {
+    match cause {
+        "force-gain" => "calibrate the force channel with a weight, or diagnose against a model identified elsewhere",
+        "lean-angle" => "diagnose against a model identified on another specimen",
+        "load-dependence" => "repeat two runs at twice the load",
+        _ => "diagnose against a model identified elsewhere",
+    }
+}
+
+/// Why a group is tied, in words.
+fn why(bench: &Bench<'_>, ids: &[String]) -> String {
+    let load_ties = ["force-zero-offset", "stage-tilt", "load-crosstalk"];
+    let all_load = ids.iter().all(|id| load_ties.contains(&id.as_str()));
+    if all_load && !bench.experiment.has_two_loads() {
+        "all runs have one load".into()
+    } else if all_load {
+        "no run was made with the stage turned round".into()
+    } else {
+        "their signatures are the same on this protocol, once the law has been fitted".into()
+    }
+}
+
+/// The run that separates two tied causes at a size of five times what the noise hides.
+fn break_tie(bench: &Bench<'_>, stand: &Stand, scan: &Scan, a: usize, b: usize) -> String {
+    let sized = |cause: usize| -> Option<(Vec<usize>, Vec<f64>)> {
+        let candidate = scan.candidates.iter().find(|c| c.cause == cause)?;
+        let effect = &bench.catalogue[cause];
+        let specs = effect.parameters_for(&bench.experiment);
+        let mut own = candidate.starts.first()?.clone();
+        for (k, &i) in effect.sizes().iter().enumerate() {
+            let sd = candidate.score.sd.get(k).copied().unwrap_or(0.0) * candidate.unit;
+            own[i] = (20.0 * sd).clamp(specs[i].lower, specs[i].upper);
+        }
+        let (_, p) = extended(bench, &stand.fitted, cause, &own)?;
+        let mut effects = stand.fitted.effects.clone();
+        effects.push(cause);
+        Some((effects, p))
+    };
+    let (Some(x), Some(y)) = (sized(a), sized(b)) else {
+        return "none of the runs that were considered".into();
+    };
+    propose(
+        bench,
+        &stand.sizes,
+        &Hypothesis {
+            effects: &x.0,
+            parameters: &x.1,
+        },
+        &Hypothesis {
+            effects: &y.0,
+            parameters: &y.1,
+        },
+    )
+    .map_or_else(
+        || "none of the runs that were considered".into(),
+        |p| format!("{} (the two would differ by {:.0} standard deviations)", p.text, p.distance),
+    )
+}
