@@ -38,7 +38,7 @@ pub use chain::{Chain, Station, Suspect, SuspectState};
 pub use claim::{CauseClass, ClaimRow, Deviation, Multiverse, NegativeControl, Verdict};
 pub use document::{Choice, Document, Header, Input, Run, Status, Subject, Symbol};
 pub use drift::{Drift, DriftClass, DriftRow};
-pub use page::{identity, render};
+pub use page::{identity, render, table_file};
 pub use prose::{Prose, literal};
 pub use section::{Block, Equation, Notice, NoticeKind, Section};
 pub use table::{Align, Cell, Column, Table};

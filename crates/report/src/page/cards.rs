@@ -215,7 +215,8 @@ fn align(align: Align) -> &'static str {
     }
 }
 
-fn check_width(table: &Table) -> Result<(), Error> {
+/// Every row is as wide as the heading.
+pub(super) fn check_width(table: &Table) -> Result<(), Error> {
     match table
         .rows
         .iter()
@@ -234,8 +235,8 @@ fn check_width(table: &Table) -> Result<(), Error> {
     }
 }
 
-/// The table as CSV: numbers exact, an interval as three columns would be too wide, so it stays in words.
-pub(crate) fn table_csv(table: &Table, lookup: &Lookup<'_>) -> Result<String, Error> {
+/// The table as CSV: numbers with every digit; an interval stays in one cell, `value [low; high]`.
+pub(super) fn table_csv(table: &Table, lookup: &Lookup<'_>) -> Result<String, Error> {
     let place = format!("table {}", table.id);
     let mut out = String::new();
     let mut heading = Vec::new();

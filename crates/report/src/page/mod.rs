@@ -17,7 +17,7 @@ pub use identity::identity;
 
 use crate::escape::{data_uri, json_in_script};
 use crate::prose::Lookup;
-use crate::{Document, Error, number, palette};
+use crate::{Document, Error, Table, number, palette};
 use engine::{Engine, safe};
 
 /// Style of the page, after the palette and the style of figures.
@@ -64,6 +64,18 @@ pub fn render(document: &Document) -> Result<String, Error> {
     let ledger = ledger::context(document, &lookup)?;
     let sections = sections::context(document, &cards)?;
     engine.render("page.html", context! { ..page, ..ledger, ..sections })
+}
+
+/// A table as CSV, for a file beside the report: numbers with every digit, values by id from `values`.
+///
+/// # Errors
+/// An unknown value id, a row of another width.
+pub fn table_file(table: &Table, values: &[crate::Value]) -> Result<String, Error> {
+    cards::check_width(table)?;
+    cards::table_csv(
+        table,
+        &Lookup::new(values, std::collections::BTreeSet::new()),
+    )
 }
 
 /// Sum of the times of the stages.
