@@ -304,7 +304,7 @@ fn preview(data: &Data) -> Value {
     };
     if all > EMBEDDED {
         note.push_str(&format!(
-            " The CSV below holds {EMBEDDED} of them to {DIGITS} digits; all rows with all digits are in the folder `figures` beside the report."
+            " The CSV below holds {EMBEDDED} of them to {DIGITS} digits; all rows with all digits are in the folder `tables` beside the report."
         ));
     } else {
         note.push_str(&format!(
