@@ -4,5 +4,6 @@
 //! alone, and compares. Neither of the two knows the other.
 
 pub mod hidden;
+pub mod identity;
 pub mod measured;
 pub mod proportion;

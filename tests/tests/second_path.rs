@@ -190,7 +190,14 @@ fn catalogue_and_planted_mechanisms_agree() {
         };
         let share = norm(&planted, &predicted) / norm(&planted, &clean);
         println!("{id}: {share:.4}");
-        if share.is_nan() || share >= 0.1 {
+        // What happens between two samples, the program can only guess: the moment at which a gap is crossed, the
+        // derivative of a filtered speed. The ripple's coordinate is the plate's here, the stage's there.
+        let tolerance = match id {
+            "backlash" | "velocity-lag" => 0.15,
+            "stage-ripple" => 0.06,
+            _ => 0.01,
+        };
+        if share.is_nan() || share >= tolerance {
             disagreements.push(format!(
                 "{id} on {protocol:?}: the two differ by {share:.3} of the effect"
             ));

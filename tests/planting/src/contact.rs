@@ -390,8 +390,8 @@ impl Contact<'_> {
             None => instant.friction_n,
         };
         let loaded_n = self.plan.load_n.unwrap_or(0.0);
-        let acceleration = self.plate_motion.acceleration(time_s, self.half_sample_s);
-        // The inertia of a drive's stated mass is part of every reading.
+        let acceleration = self.plan.motion.acceleration(time_s, self.half_sample_s);
+        // The inertia of a drive's stated mass, on the motor's side of any play, is part of every reading.
         let mut force = led + self.known_mass_kg * acceleration;
         for effect in &self.rig.effects {
             force += match *effect {

@@ -181,6 +181,17 @@ fn verdict(
     }
 }
 
+/// What an answer to something without a cause in the catalogue was worth.
+pub fn verdict_of_stranger(judgement: &Judgement) -> Verdict {
+    verdict(
+        &judgement.named,
+        &[],
+        true,
+        judgement.status == "unexplained",
+        &[],
+    )
+}
+
 /// Reported parameters of the truly planted causes against the key (catalogue shapes only).
 fn intervals(answer: &Value, key: &Key) -> Vec<Covered> {
     let mut covered = Vec::new();
