@@ -24,7 +24,9 @@ fn check(page: &Path) -> bool {
     let output = match Command::new("node").arg(&script).arg(page).output() {
         Ok(output) => output,
         Err(error) => {
-            say(&format!("browser tests DID NOT RUN: node could not be started ({error})"));
+            say(&format!(
+                "browser tests DID NOT RUN: node could not be started ({error})"
+            ));
             return false;
         }
     };
@@ -39,12 +41,21 @@ fn check(page: &Path) -> bool {
         say(&format!("browser tests DID NOT RUN: {}", answer["because"]));
         return false;
     }
-    say(&format!("browser tests ran on {}: {}", page.display(), answer["facts"]));
+    say(&format!(
+        "browser tests ran on {}: {}",
+        page.display(),
+        answer["facts"]
+    ));
     let failures: Vec<&str> = answer["failures"]
         .as_array()
         .map(|all| all.iter().filter_map(serde_json::Value::as_str).collect())
         .unwrap_or_default();
-    assert!(failures.is_empty(), "{} failures:\n{}", failures.len(), failures.join("\n"));
+    assert!(
+        failures.is_empty(),
+        "{} failures:\n{}",
+        failures.len(),
+        failures.join("\n")
+    );
     true
 }
 
@@ -79,7 +90,16 @@ fn a_bad_page_is_found_out() {
         return;
     };
     let message = panic.downcast_ref::<String>().cloned().unwrap_or_default();
-    for found in ["console log", "request", "px too wide", "axe image-alt", "html-validate no-dup-id"] {
-        assert!(message.contains(found), "`{found}` was not found out:\n{message}");
+    for found in [
+        "console log",
+        "request",
+        "px too wide",
+        "axe image-alt",
+        "html-validate no-dup-id",
+    ] {
+        assert!(
+            message.contains(found),
+            "`{found}` was not found out:\n{message}"
+        );
     }
 }

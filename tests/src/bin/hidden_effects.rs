@@ -9,11 +9,12 @@ use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use whole_program::hidden::carry_out::Workshop;
+use whole_program::hidden::judge::Verdict;
 use whole_program::hidden::selection::{Season, Trial, trials};
 use whole_program::hidden::tally::{Judged, table};
 use whole_program::identity::of_diagnosis;
 
-const USAGE: &str = "usage: bench hidden-effects [--final] [--limit N] [--minutes M] [--only TEXT] [--gain] [--out FILE]";
+const USAGE: &str = "usage: bench hidden-effects [--final] [--limit N] [--minutes M] [--only TEXT] [--gain] [--export DIR] [--out FILE]";
 
 const HELP: &str = "\
 Hides effects in synthetic campaigns, lets the diagnosis answer, and judges the answers.
@@ -22,6 +23,7 @@ Hides effects in synthetic campaigns, lets the diagnosis answer, and judges the 
   --minutes M   stop after M minutes
   --only TEXT   only trials whose name holds TEXT
   --gain        also let the diagnosis compute its held-out gain (slower)
+  --export DIR  write the packages of the trials (chosen by --only and --limit) and their keys below DIR, ask nothing
   --out FILE    where the table goes (default: beside the judged trials)
 Judged trials are kept below target/hidden-effects and not repeated while the diagnosis stays the same.";
 
@@ -32,6 +34,7 @@ struct Request {
     only: Option<String>,
     gain: bool,
     out: Option<PathBuf>,
+    export: Option<PathBuf>,
 }
 
 fn main() -> ExitCode {
@@ -63,6 +66,7 @@ fn parse() -> Result<Option<Request>, String> {
         only: None,
         gain: false,
         out: None,
+        export: None,
     };
     let mut arguments = std::env::args().skip(1).peekable();
     while arguments
@@ -92,6 +96,7 @@ fn parse() -> Result<Option<Request>, String> {
             }
             "--only" => request.only = Some(value()?),
             "--out" => request.out = Some(value()?.into()),
+            "--export" => request.export = Some(value()?.into()),
             "--help" | "-h" => return Ok(None),
             other => return Err(format!("unknown option {other:?}")),
         }
@@ -100,6 +105,9 @@ fn parse() -> Result<Option<Request>, String> {
 }
 
 fn run(request: &Request) -> Result<(), String> {
+    if let Some(folder) = &request.export {
+        return export(request, folder);
+    }
     let identity = of_diagnosis();
     let season = if request.season == Season::Final {
         "final"
@@ -114,12 +122,7 @@ fn run(request: &Request) -> Result<(), String> {
     let known: BTreeSet<String> = judged.iter().map(|one| one.trial.id.clone()).collect();
     let wanted: Vec<Trial> = trials(request.season)
         .into_iter()
-        .filter(|trial| {
-            request
-                .only
-                .as_ref()
-                .is_none_or(|text| format!("{:?} {}", trial.group, trial.id).contains(text))
-        })
+        .filter(|trial| matches(request, trial))
         .filter(|trial| !known.contains(&trial.id))
         .take(request.limit.saturating_sub(known.len()))
         .collect();
@@ -163,7 +166,8 @@ fn carry_out(
         }
         bar.set_message(trial.id.clone());
         match workshop.carry_out(trial, !request.gain) {
-            Ok(one) => {
+            Ok((one, answer)) => {
+                keep_answer(kept, &one, &answer)?;
                 let line = serde_json::to_string(&one).map_err(|error| error.to_string())?;
                 writeln!(file, "{line}").map_err(|error| error.to_string())?;
                 if let Some(judgement) = &one.judgement {
@@ -186,6 +190,48 @@ fn carry_out(
         bar.inc(1);
     }
     bar.finish_and_clear();
+    Ok(())
+}
+
+/// Keeps answers that were not right, for whoever wants to know why.
+fn keep_answer(kept: &Path, one: &Judged, answer: &serde_json::Value) -> Result<(), String> {
+    let right = one.judgement.as_ref().is_none_or(|judgement| judgement.verdict == Verdict::Right);
+    let Some(folder) = kept.parent().filter(|_| !right) else { return Ok(()) };
+    let folder = folder.join("answers");
+    std::fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
+    let text = serde_json::to_string_pretty(answer).map_err(|error| error.to_string())?;
+    std::fs::write(folder.join(format!("{}.json", one.trial.case.seed)), text).map_err(|error| error.to_string())
+}
+
+fn matches(request: &Request, trial: &Trial) -> bool {
+    request
+        .only
+        .as_ref()
+        .is_none_or(|text| format!("{:?} {}", trial.group, trial.id).contains(text))
+}
+
+/// Writes packages, the keys apart from them.
+fn export(request: &Request, folder: &Path) -> Result<(), String> {
+    let mut workshop = Workshop::default();
+    let chosen = trials(request.season)
+        .into_iter()
+        .filter(|trial| matches(request, trial))
+        .take(request.limit);
+    for trial in chosen {
+        let Some(sized) = workshop.sized(&trial)? else {
+            eprintln!("{}: absorbed by the law", trial.id);
+            continue;
+        };
+        let outcome = sized.case.carry_out()?;
+        let name = sized.case.seed.to_string();
+        planting::package::write(&folder.join(&name), &outcome.files)
+            .map_err(|error| error.to_string())?;
+        let key = serde_json::to_string_pretty(&(&sized, &outcome.key))
+            .map_err(|error| error.to_string())?;
+        std::fs::write(folder.join(format!("{name}.key.json")), key)
+            .map_err(|error| error.to_string())?;
+        println!("{name}: {}", sized.id);
+    }
     Ok(())
 }
 

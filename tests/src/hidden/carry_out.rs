@@ -86,19 +86,20 @@ impl Workshop {
         Ok(Some(sized))
     }
 
-    /// Carries a trial out.
+    /// Carries a trial out; returns the judgement and the answer that was judged.
     ///
     /// # Errors
     /// What the door or the diagnosis refuses, in words.
-    pub fn carry_out(&mut self, trial: &Trial, quick: bool) -> Result<Judged, String> {
+    pub fn carry_out(&mut self, trial: &Trial, quick: bool) -> Result<(Judged, serde_json::Value), String> {
         let Some(sized) = self.sized(trial)? else {
-            return Ok(Judged {
+            let absorbed = Judged {
                 trial: trial.clone(),
                 forced: Vec::new(),
                 distance: 0.0,
                 judgement: None,
                 true_gain: None,
-            });
+            };
+            return Ok((absorbed, serde_json::Value::Null));
         };
         let (mut forced, mut distance) = (Vec::new(), 0.0);
         if !sized.case.planted.is_empty() {
@@ -128,13 +129,14 @@ impl Workshop {
         } else {
             true_gain(&sized.case, &outcome, &answer.curves).ok()
         };
-        Ok(Judged {
+        let judged = Judged {
             trial: sized,
             forced,
             distance,
             judgement: Some(judgement),
             true_gain,
-        })
+        };
+        Ok((judged, answer.json))
     }
 }
 
