@@ -195,12 +195,18 @@ fn carry_out(
 
 /// Keeps answers that were not right, for whoever wants to know why.
 fn keep_answer(kept: &Path, one: &Judged, answer: &serde_json::Value) -> Result<(), String> {
-    let right = one.judgement.as_ref().is_none_or(|judgement| judgement.verdict == Verdict::Right);
-    let Some(folder) = kept.parent().filter(|_| !right) else { return Ok(()) };
+    let right = one
+        .judgement
+        .as_ref()
+        .is_none_or(|judgement| judgement.verdict == Verdict::Right);
+    let Some(folder) = kept.parent().filter(|_| !right) else {
+        return Ok(());
+    };
     let folder = folder.join("answers");
     std::fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
     let text = serde_json::to_string_pretty(answer).map_err(|error| error.to_string())?;
-    std::fs::write(folder.join(format!("{}.json", one.trial.case.seed)), text).map_err(|error| error.to_string())
+    std::fs::write(folder.join(format!("{}.json", one.trial.case.seed)), text)
+        .map_err(|error| error.to_string())
 }
 
 fn matches(request: &Request, trial: &Trial) -> bool {

@@ -90,7 +90,11 @@ impl Workshop {
     ///
     /// # Errors
     /// What the door or the diagnosis refuses, in words.
-    pub fn carry_out(&mut self, trial: &Trial, quick: bool) -> Result<(Judged, serde_json::Value), String> {
+    pub fn carry_out(
+        &mut self,
+        trial: &Trial,
+        quick: bool,
+    ) -> Result<(Judged, serde_json::Value), String> {
         let Some(sized) = self.sized(trial)? else {
             let absorbed = Judged {
                 trial: trial.clone(),
