@@ -49,8 +49,9 @@ pub struct Field {
     values: Vec<f64>,
 }
 
-/// Grid points in one correlation length.
-const POINTS_A_LENGTH: f64 = 12.0;
+/// Grid points in one correlation length: on the slowest run (3 mm/s, 60 samples a second) samples are further apart
+/// than points, so that every record sees the field as rough as it is.
+const POINTS_A_LENGTH: f64 = 50.0;
 
 impl Field {
     /// A field of unit variance with correlation length `length` over [from, to].

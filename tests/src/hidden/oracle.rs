@@ -204,6 +204,12 @@ impl Oracle {
         &whitened - &self.basis * self.basis.tr_mul(&whitened)
     }
 
+    /// A record's deviation, whitened, what gains of runs and the law can take out of it taken out.
+    pub fn whiten_free(&self, deviation: &DVector<f64>) -> DVector<f64> {
+        let free = self.project(deviation);
+        &free - &self.gains * self.gains.tr_mul(&free)
+    }
+
     /// Distance of a projected change, see the head of this file.
     fn distance(&self, free: &DVector<f64>) -> f64 {
         let along = self.gains.tr_mul(free);
