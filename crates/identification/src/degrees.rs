@@ -1,86 +1,143 @@
-//! How well the noise that drives a parameter is known: the degrees of freedom of its interval.
+//! The quantile of each interval: how well the noise that drives a parameter is known.
 //!
-//! The estimate moves by C J^T V^-1 n when the noise is n, C = (J^T V^-1 J)^-1. Split n into the gains of the runs
-//! (few, so their variance is poorly known) and what happens within runs (many correlation lengths, so it is well
-//! known): the two shares of each parameter's variance and the degrees of freedom of each give, by Satterthwaite, those
-//! of the parameter. A stiffness is nearly all gain; a Stribeck rate nearly none.
+//! What happens within runs is told by many correlation lengths; the scatter between the gains of a few runs is not. With
+//! the weights that the estimate uses, a gain b_k of run k moves the parameters by m_k = C J^T V^-1 h_k (C the
+//! covariance, h_k the force of run k), so for a scatter s
+//!
+//! ```text
+//! var(p_hat) = within + s^2 sum_k m_k^2,     p_hat - p ~ sum over s of w(s) N(0, within + s^2 sum_k m_k^2)
+//! ```
+//!
+//! w being the posterior weight of s from the restricted likelihood under a scale-free prior. For a parameter that is all
+//! gain this is Student's t with the degrees of freedom of the runs; for one that the gain does not touch it is normal;
+//! in between it is the Behrens-Fisher mixture. (Satterthwaite's degrees, taken at an estimated share, cover too little
+//! when the scatter happens to come out small.) The half width of 95 % over the standard deviation at the estimate of s
+//! is the quantile that the profile uses.
 
-use fitting::criteria::satterthwaite;
+use fitting::criteria::t_quantile;
 use fitting::noise::{Context, NoiseModel, Whitener};
 use nalgebra::DMatrix;
+use statrs::distribution::{ContinuousCDF, Normal};
+
+use crate::intervals::LEVEL;
 
 /// What drives the uncertainty of one parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drivers {
     /// Share of the variance that comes from the gains of the runs, 0 to 1.
     pub gain_share: f64,
-    /// Degrees of freedom.
+    /// Quantile of its 95 % interval, in standard deviations at the estimated noise.
+    pub quantile: f64,
+    /// Degrees of freedom of Student's t with that quantile.
     pub degrees: f64,
 }
 
-/// Effective number of gains from which the scatter was estimated: sum of (s^2 l / (1 + s^2 l))^2 over the directions
-/// between runs, l being the information on each (directions that the law's own parameters soak up count little).
-pub(crate) fn scatter_degrees(noise: &NoiseModel) -> f64 {
-    let s2 = noise.sizes.scatter.powi(2);
-    noise
-        .scatter
-        .lambda
-        .iter()
-        .map(|l| (s2 * l / (1.0 + s2 * l)).powi(2))
-        .sum()
-}
-
-/// Effective number of independent pieces of roughness: one a two correlation lengths of sliding, less the parameters.
-fn within_degrees(context: &Context, noise: &NoiseModel, parameters: usize) -> f64 {
-    let slid: f64 = context
-        .runs
-        .iter()
-        .map(|run| context.sliding[run.end - 1] - context.sliding[run.start])
-        .sum();
-    let pieces = slid / (2.0 * noise.sizes.length.max(f64::MIN_POSITIVE));
-    (pieces.min(context.samples() as f64) - parameters as f64).max(1.0)
-}
-
-/// Drivers of every parameter; `jacobian` whitened (samples x parameters), `covariance` (zero rows: not estimated).
+/// Drivers and standard deviations (bounds left aside) of the movable columns of `whitened` (samples x parameters), in the
+/// order of `movable`; `None` where the data leave a direction open.
 pub(crate) fn drivers(
     context: &Context,
     whitener: &Whitener,
     noise: &NoiseModel,
-    jacobian: &DMatrix<f64>,
-    covariance: &DMatrix<f64>,
-) -> Vec<Drivers> {
-    let gain_degrees = scatter_degrees(noise);
-    let within = within_degrees(context, noise, jacobian.ncols());
-    // C J^T V^-1 h_k for the unit gain h_k of every run
+    whitened: &DMatrix<f64>,
+    movable: &[usize],
+) -> Option<Vec<(Drivers, f64)>> {
+    let jacobian = whitened.select_columns(movable);
+    let covariance = fitting::covariance_of(&jacobian)?;
     let mut gains = DMatrix::zeros(context.samples(), context.runs.len());
     for (k, run) in context.runs.iter().enumerate() {
         for i in run.clone() {
             gains[(i, k)] = context.scale[i];
         }
     }
-    let moved = covariance * jacobian.tr_mul(&whitener.whiten_columns(&gains));
-    (0..jacobian.ncols())
+    let moved = &covariance * jacobian.tr_mul(&whitener.whiten_columns(&gains));
+    let scatters = noise.scatter.posterior();
+    let drivers = (0..movable.len())
         .map(|j| {
             let total = covariance[(j, j)];
-            let gain = (noise.sizes.scatter.powi(2) * moved.row(j).norm_squared()).min(total);
-            if total <= 0.0 {
-                return Drivers {
-                    gain_share: 0.0,
-                    degrees: within,
-                };
-            }
-            let degrees = if gain <= 0.0 {
-                within
-            } else if gain_degrees < 0.5 {
-                // A scatter that no repeats tell of: the interval rests on one direction at most.
-                1.0
-            } else {
-                satterthwaite(&[(gain, gain_degrees), (total - gain, within)])
+            let by_gain = moved.row(j).norm_squared();
+            let at_estimate = (noise.sizes.scatter.powi(2) * by_gain).min(total);
+            let within = total - at_estimate;
+            let parts: Vec<(f64, f64)> = scatters
+                .iter()
+                .map(|(s, weight)| (*weight, (within + s * s * by_gain).sqrt()))
+                .collect();
+            let sd = total.sqrt();
+            let quantile = half_width(&parts) / sd;
+            let driver = Drivers {
+                gain_share: at_estimate / total,
+                quantile,
+                degrees: degrees_of(quantile),
             };
-            Drivers {
-                gain_share: gain / total,
-                degrees,
-            }
+            (driver, sd)
         })
-        .collect()
+        .collect();
+    Some(drivers)
+}
+
+/// q with P(|error| <= q) = 95 % for a mixture of normals given as (weight, standard deviation).
+fn half_width(parts: &[(f64, f64)]) -> f64 {
+    let normal = Normal::standard();
+    let total: f64 = parts.iter().map(|p| p.0).sum();
+    let outside = |q: f64| {
+        parts
+            .iter()
+            .map(|(w, sd)| 2.0 * w * normal.cdf(-q / sd))
+            .sum::<f64>()
+            / total
+    };
+    let widest = parts.iter().map(|p| p.1).fold(0.0, f64::max);
+    let (mut low, mut high) = (0.0, 5.0 * widest);
+    for _ in 0..80 {
+        let middle = 0.5 * (low + high);
+        if outside(middle) > 1.0 - LEVEL {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// Degrees of freedom at which Student's t has this two-sided 95 % quantile (1 at least, infinite at the normal one).
+fn degrees_of(quantile: f64) -> f64 {
+    if quantile <= t_quantile(LEVEL, 1e5) {
+        return f64::INFINITY;
+    }
+    let (mut low, mut high) = (0.0_f64, 1e5_f64.ln());
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if t_quantile(LEVEL, middle.exp()) > quantile {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    (0.5 * (low + high)).exp()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_normal_has_the_normal_quantile() {
+        assert!((half_width(&[(1.0, 2.0)]) - 2.0 * 1.959_964).abs() < 1e-5);
+        assert!(degrees_of(1.9599).is_infinite());
+    }
+
+    /// Normals whose variance is nu over chi-squared with nu degrees of freedom mix to Student's t with nu.
+    #[test]
+    fn scaled_inverse_chi_squares_mix_to_student() {
+        let nu = 4.0_f64;
+        // Density of the standard deviation: s^-(nu+1) exp(-nu/(2 s^2)), on an even grid of log s (measure s).
+        let parts: Vec<(f64, f64)> = (-400..1600)
+            .map(|k| {
+                let s = (0.005 * f64::from(k)).exp();
+                (s.powf(-nu) * (-nu / (2.0 * s * s)).exp(), s)
+            })
+            .collect();
+        let quantile = half_width(&parts);
+        assert!((quantile - 2.776).abs() < 2e-3, "{quantile}");
+        assert!((degrees_of(quantile) - nu).abs() < 0.02);
+    }
 }

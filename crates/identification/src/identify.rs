@@ -1,7 +1,7 @@
 //! Law, rig and fitting together.
 
 use campaign::Campaign;
-use fitting::criteria::aicc;
+use fitting::criteria::{aicc, t_quantile};
 use fitting::noise::{EstimateOptions, NoiseModel};
 use fitting::{Bounds, Identifiability, Residuals, Side, Status, Verdict, identifiability};
 use friction::{CosinePlacement, LawKind, ParameterSpec};
@@ -11,7 +11,7 @@ use rig::{Experiment, Model};
 use crate::degrees::{Drivers, drivers};
 use crate::features::{Features, features};
 use crate::fit::{Fitted, Task, Work};
-use crate::intervals::{Interval, profiles};
+use crate::intervals::{Interval, LEVEL, profiles};
 use crate::problem::{Problem, noise_context};
 use crate::quality::{Quality, lack_of_fit, repeat_floor, sizes};
 use crate::question::{IdentificationError, Question};
@@ -72,6 +72,8 @@ pub struct Identification {
     pub aicc: f64,
     /// Predicted force, N (N m), stacked as in the experiment.
     pub predicted_n: Vec<f64>,
+    /// Points of the profiles that gave the intervals, by parameter, in order of value; empty where none was asked for.
+    pub profiles: Vec<(String, Vec<fitting::ProfilePoint>)>,
     /// A profile met a point that fits better than the answer: then the answer is no minimum.
     pub better_found: bool,
     /// Work done.
@@ -297,16 +299,22 @@ fn report(
     let context = noise_context(experiment, &fitted.predicted);
     let (_, whitened) = problem.jacobian(&fitted.fit.parameters);
     let movable = bounds.movable();
-    let full = full_covariance(&whitened, &movable);
-    let driven = drivers(&context, &fitted.whitener, &fitted.noise, &whitened, &full);
-    let fallback: Vec<f64> = (0..specs.len())
-        .map(|j| {
-            let sd = full[(j, j)].sqrt();
-            if sd > 0.0 && sd.is_finite() {
-                sd
-            } else {
-                0.1 * specs[j].typical
-            }
+    let driven = drivers(
+        &context,
+        &fitted.whitener,
+        &fitted.noise,
+        &whitened,
+        &movable,
+    );
+    // Of parameter j: its drivers, and the step with which its profile begins where the fit gives none.
+    let driver_of = |j: usize| {
+        let k = movable.iter().position(|&m| m == j)?;
+        driven.as_ref().map(|all| all[k])
+    };
+    let profile_options: Vec<(f64, f64)> = (0..specs.len())
+        .map(|j| match driver_of(j) {
+            Some((driver, sd)) => (driver.quantile, sd),
+            None => (t_quantile(LEVEL, f64::INFINITY), 0.1 * specs[j].typical),
         })
         .collect();
     let analysed: Vec<usize> = movable.iter().copied().filter(|&j| j < named).collect();
@@ -319,11 +327,16 @@ fn report(
     );
     let columns: Vec<usize> = (0..named).collect();
     let profiled = if question.intervals {
-        profiles(&problem, &fitted.fit, bounds, &columns, &driven, &fallback)
+        profiles(&problem, &fitted.fit, bounds, &columns, &profile_options)
     } else {
         vec![None; named]
     };
     let better_found = profiled.iter().flatten().any(|p| p.better.is_some());
+    let curves = profiled
+        .iter()
+        .enumerate()
+        .filter_map(|(j, p)| Some((specs[j].name.to_string(), p.as_ref()?.points.clone())))
+        .collect();
     let estimates = (0..named)
         .map(|j| {
             let held = bounds.is_fixed(j);
@@ -347,7 +360,7 @@ fn report(
                     .iter()
                     .position(|&c| c == j)
                     .map_or(Verdict::Identifiable, |k| found.verdicts[k]),
-                drivers: (!held).then_some(driven[j]),
+                drivers: driver_of(j).map(|(driver, _)| driver),
             }
         })
         .collect();
@@ -392,28 +405,10 @@ fn report(
         log_likelihood,
         aicc: aicc(log_likelihood, movable.len() + NOISE_SIZES, n),
         predicted_n: fitted.predicted,
+        profiles: curves,
         better_found,
         work: fitted.work,
     }
-}
-
-/// (J^T J)^-1 of the movable columns in a matrix over all, bounds left aside; infinite variances where the data leave
-/// a direction open.
-fn full_covariance(whitened: &DMatrix<f64>, movable: &[usize]) -> DMatrix<f64> {
-    let n = whitened.ncols();
-    let mut full = DMatrix::zeros(n, n);
-    let small = fitting::covariance_of(&whitened.select_columns(movable));
-    for (a, &ja) in movable.iter().enumerate() {
-        match &small {
-            Some(small) => {
-                for (b, &jb) in movable.iter().enumerate() {
-                    full[(ja, jb)] = small[(a, b)];
-                }
-            }
-            None => full[(ja, ja)] = f64::INFINITY,
-        }
-    }
-    full
 }
 
 /// Identifiability of the named columns, the bent states of runs projected out (they are not asked for).

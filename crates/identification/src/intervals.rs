@@ -1,10 +1,8 @@
-//! Intervals by profile likelihood, each with the t quantile of the noise that drives its parameter.
+//! Intervals by profile likelihood, each at the quantile of the noise that drives its parameter.
 
-use fitting::criteria::t_quantile;
 use fitting::{Bounds, Fit, Limit, Profile, ProfileOptions, Side, profile};
 use rayon::prelude::*;
 
-use crate::degrees::Drivers;
 use crate::problem::Problem;
 
 /// Nominal level of every interval.
@@ -41,14 +39,14 @@ impl Interval {
     }
 }
 
-/// Profiles of the named columns, in order; `None` where a profile could not be taken.
+/// Profiles of the named columns, in order; `options` holds each parameter's quantile and first step. `None` for held
+/// parameters.
 pub(crate) fn profiles(
     problem: &Problem<'_>,
     fit: &Fit,
     bounds: &Bounds,
     columns: &[usize],
-    drivers: &[Drivers],
-    fallback: &[f64],
+    options: &[(f64, f64)],
 ) -> Vec<Option<Profile>> {
     columns
         .par_iter()
@@ -56,8 +54,8 @@ pub(crate) fn profiles(
             if bounds.is_fixed(j) {
                 return None;
             }
-            let quantile = t_quantile(LEVEL, drivers[j].degrees);
-            let options = ProfileOptions::new(quantile * quantile, quantile * fallback[j]);
+            let (quantile, step) = options[j];
+            let options = ProfileOptions::new(quantile * quantile, quantile * step);
             profile(problem, fit, j, bounds, &options).ok()
         })
         .collect()

@@ -6,6 +6,7 @@
 //! seen, [`compare_laws`] sets all laws side by side, [`in_paper_form`] shows the redundancy of the published parameters,
 //! [`coverage`] checks that 95 % means 95 %.
 
+mod band;
 mod compare_laws;
 mod coverage;
 mod degrees;
@@ -22,6 +23,7 @@ mod resampling;
 mod simulate;
 mod starts;
 
+pub use band::{Band, prediction_band};
 pub use compare_laws::{LawFit, compare_laws};
 pub use coverage::{Coverage, ParameterCoverage, Truth, coverage};
 pub use degrees::Drivers;
