@@ -7,6 +7,7 @@ use fitting::noise::{Context, EstimateOptions, NoiseModel, Sizes, Whitener, esti
 use fitting::{Bounds, Options as SolverOptions, Residuals, minimise};
 use friction::LawKind;
 use nalgebra::{Cholesky, DMatrix, DVector};
+use rayon::prelude::*;
 use rig::{Cause, Experiment, Model, ModelFile};
 
 use crate::ground::Ground;
@@ -163,6 +164,9 @@ pub(crate) struct Fitted {
     pub(crate) cost: f64,
     pub(crate) converged: bool,
 }
+
+/// Starts of the law that are fitted, of all that are looked at.
+const STARTS_FITTED: usize = 4;
 
 /// Which parameters move in a fit.
 fn movable(model: &Model, subset: &Subset, runs: usize) -> Vec<bool> {
@@ -336,16 +340,23 @@ impl<'a> Bench<'a> {
                 identification::starts(self.law, &features, self.experiment.height_m, None)
             }
         };
-        let fits: Vec<Option<Fitted>> = {
-            use rayon::prelude::*;
-            starts
-                .par_iter()
-                .map(|start| {
-                    let whole = model.at_null(start, &self.experiment);
-                    self.fit(subset, &[], &whole, &whitener, None, 25)
-                })
-                .collect()
-        };
+        // All starts are looked at, the nearest are fitted.
+        let measured = subset.gather(&self.experiment.measured_n);
+        let mut ranked: Vec<(f64, Vec<f64>)> = starts
+            .par_iter()
+            .map(|start| {
+                let whole = model.at_null(start, &self.experiment);
+                let predicted = subset.gather(&model.predict(&self.experiment, &whole));
+                let cost = whitener.whiten(&(predicted - &measured)).norm_squared();
+                (if cost.is_finite() { cost } else { f64::INFINITY }, whole)
+            })
+            .collect();
+        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+        ranked.truncate(STARTS_FITTED);
+        let fits: Vec<Option<Fitted>> = ranked
+            .par_iter()
+            .map(|(_, whole)| self.fit(subset, &[], whole, &whitener, None, 40))
+            .collect();
         let mut best: Option<Fitted> = None;
         for fit in fits.into_iter().flatten() {
             if best.as_ref().is_none_or(|b| fit.cost < b.cost * (1.0 - 1e-9)) {

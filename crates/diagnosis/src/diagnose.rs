@@ -20,7 +20,9 @@ use crate::intervals;
 use crate::laws;
 use crate::probability::weight_of_set;
 use crate::samples::Samples;
-use crate::selection::{ALPHA_GENERAL, ALPHA_NAME, Depth, Selected, select};
+use crate::selection::{
+    ALPHA_GENERAL, ALPHA_NAME, Depth, SHAPE_TOLERANCE, Selected, select,
+};
 use crate::tail::equivalent_z;
 use crate::ties;
 
@@ -293,7 +295,11 @@ fn assemble(
     });
     findings.extend(integrity_findings(bench, integrity));
     let gate = selected.gate_log_p < (ALPHA_NAME + ALPHA_GENERAL).ln();
-    let detected = gate && selected.left.log_p < ALPHA_GENERAL.ln();
+    // What a named cause's shape may be wrong by is no structure of its own.
+    let explained = (selected.baseline.deviance - selected.stand.deviance).max(0.0);
+    let beyond_shape = selected.stand.fitted.effects.is_empty()
+        || selected.left.excess > SHAPE_TOLERANCE.powi(2) * explained;
+    let detected = gate && beyond_shape && selected.left.log_p < ALPHA_GENERAL.ln();
     let status = if detected {
         Status::Unexplained
     } else if findings.iter().any(|f| !f.equivalent.is_empty()) {

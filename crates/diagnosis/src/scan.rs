@@ -12,6 +12,7 @@ use rig::Model;
 use crate::bench::{Bench, Fitted, Stand, Subset};
 use crate::ground::{Direction, Score, angle, look_elsewhere};
 use crate::periodic::Family;
+use crate::selection::is_dear;
 
 /// A cause with the shape at which it scores best.
 #[derive(Clone)]
@@ -213,7 +214,11 @@ fn scan_with(
         for at in effect.shape_grid(&bench.experiment).into_iter().take(MOST_SHAPES) {
             tasks.push((cause, at, false));
         }
-        for at in effect.starts(&bench.experiment).into_iter().take(MOST_CHORDS) {
+        // Mechanics that are dear to compute (a mass on a cord) are looked at in one size beside the tangent.
+        let starts = effect.starts(&bench.experiment);
+        let most = if is_dear(bench, cause) { 1 } else { MOST_CHORDS };
+        let from = if is_dear(bench, cause) { starts.len() / 2 } else { 0 };
+        for at in starts.into_iter().skip(from).take(most) {
             tasks.push((cause, at, true));
         }
     }
@@ -408,7 +413,8 @@ impl Peaks {
                 })
                 .fold(0.0_f64, f64::max)
         };
-        let middle_step = |x: &[f64]| {
+        // Lines closer than two samples of the fastest motion are aliases of slow ones there.
+        let widest_step = |x: &[f64]| {
             let mut steps: Vec<f64> = samples
                 .runs
                 .iter()
@@ -416,10 +422,10 @@ impl Peaks {
                 .filter(|s| *s > 0.0)
                 .collect();
             steps.sort_by(f64::total_cmp);
-            steps.get(steps.len() / 2).copied().unwrap_or(0.0)
+            steps.get(steps.len() * 19 / 20).copied().unwrap_or(0.0)
         };
         for (coordinate, in_time) in [(&samples.place, false), (&samples.time, true)] {
-            let (span, step) = (longest(coordinate), middle_step(coordinate));
+            let (span, step) = (longest(coordinate), widest_step(coordinate));
             if !(span > 0.0) || !(step > 0.0) {
                 continue;
             }
@@ -437,7 +443,7 @@ impl Peaks {
                 let family = Family {
                     coordinate,
                     envelope,
-                    band: (1.0 / span, 0.5 / step),
+                    band: (1.0 / span, 0.45 / step),
                     spacing: 0.5 / span,
                 };
                 path = family.path();

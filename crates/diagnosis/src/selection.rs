@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use crate::bench::{Bench, Fitted, Stand, Subset};
 use crate::general::{self, Lack};
-use crate::scan::{Candidate, Scan, extended, scan};
+use crate::scan::{Candidate, Scan, extended, scan, scan_without};
 
 /// Family-wise probability of naming a cause where there is none: half of the campaign's one percent.
 pub(crate) const ALPHA_NAME: f64 = 0.004;
@@ -158,12 +158,23 @@ fn price(bench: &Bench<'_>, fit: &(usize, Fitted, f64)) -> f64 {
 }
 
 /// Candidates that deserve a joint fit: all that pass, and those that come near the best.
-fn survivors<'a>(found: &'a Scan, threshold: f64, most: usize) -> Vec<&'a Candidate> {
+fn survivors<'a>(
+    bench: &Bench<'_>,
+    found: &'a Scan,
+    threshold: f64,
+    most: usize,
+) -> Vec<&'a Candidate> {
     let best = found.candidates.first().map_or(0.0, |c| c.score.z());
     found
         .candidates
         .iter()
-        .filter(|c| c.score.z() > 0.6 * best && (c.log_p < threshold || c.score.z() > 0.8 * best))
+        .enumerate()
+        .filter(|(place, c)| {
+            let z = c.score.z();
+            let near = z > 0.6 * best && (c.log_p < threshold || z > 0.8 * best);
+            near && (*place < 2 || !is_dear(bench, c.cause) || z > 0.95 * best)
+        })
+        .map(|(_, c)| c)
         .take(most)
         .collect()
 }
@@ -198,7 +209,14 @@ pub(crate) fn select(
         let (stand, found) = match &chosen {
             None => (&base, &first),
             Some(stand) => {
-                later = scan(bench, subset, stand, likely_scatter(stand));
+                let best = first.candidates.first().map_or(0.0, |c| c.score.z());
+                let dull: Vec<usize> = first
+                    .candidates
+                    .iter()
+                    .filter(|c| is_dear(bench, c.cause) && c.score.z() < 0.2 * best)
+                    .map(|c| c.cause)
+                    .collect();
+                later = scan_without(bench, subset, stand, likely_scatter(stand), &dull);
                 (stand, &later)
             }
         };
@@ -207,7 +225,7 @@ pub(crate) fn select(
         if top.log_p > threshold {
             break;
         }
-        let asked = survivors(found, threshold, most);
+        let asked = survivors(bench, found, threshold, most);
         let fits = joint_fits(bench, subset, stand, &asked, starts);
         let Some((cause, fit, deviance)) = fits.first().cloned() else { break };
         if round == 0 {

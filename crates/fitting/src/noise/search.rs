@@ -8,6 +8,8 @@ use rayon::prelude::*;
 
 /// Step of the differences.
 const STEP: f64 = 0.02;
+/// A step that promises to lower -2 log likelihood by less than this is not worth taking.
+const PROMISE: f64 = 0.02;
 
 /// Where a search ended.
 pub(super) struct Minimum {
@@ -35,7 +37,7 @@ pub(super) fn minimise(
     let mut value = f(x.as_slice());
     let mut evaluations = 1;
     let mut inverse = DMatrix::<f64>::identity(n, n) * 0.1;
-    let mut slope = gradient(f, &x, &mut evaluations);
+    let mut slope = gradient(f, &x, value, &mut evaluations);
     let mut converged = false;
     for _ in 0..most_iterations {
         // Coordinates that press on a bound stand still.
@@ -60,7 +62,7 @@ pub(super) fn minimise(
             direction *= 1.5 / longest;
         }
         let promised = direction.dot(&masked);
-        if promised.abs() < 2e-3 {
+        if promised.abs() < PROMISE {
             converged = true;
             break;
         }
@@ -77,10 +79,10 @@ pub(super) fn minimise(
             length *= 0.35;
         }
         let Some((next, next_value)) = accepted else {
-            converged = promised.abs() < 0.05;
+            converged = promised.abs() < 0.5;
             break;
         };
-        let next_slope = gradient(f, &next, &mut evaluations);
+        let next_slope = gradient(f, &next, next_value, &mut evaluations);
         update(&mut inverse, &(&next - &x), &(&next_slope - &slope));
         x = next;
         value = next_value;
@@ -94,23 +96,25 @@ pub(super) fn minimise(
     }
 }
 
-/// Central differences, evaluated side by side (the order of the results is fixed).
+/// Forward differences, evaluated side by side (the order of the results is fixed). They shift the minimum by half a
+/// step, one percent of a size: far within what the data determine.
 fn gradient(
     f: &(dyn Fn(&[f64]) -> f64 + Sync),
     x: &DVector<f64>,
+    value: f64,
     evaluations: &mut usize,
 ) -> DVector<f64> {
     let n = x.len();
-    *evaluations += 2 * n;
-    let values: Vec<f64> = (0..2 * n)
+    *evaluations += n;
+    let values: Vec<f64> = (0..n)
         .into_par_iter()
         .map(|k| {
             let mut at = x.clone();
-            at[k / 2] += if k % 2 == 0 { STEP } else { -STEP };
+            at[k] += STEP;
             f(at.as_slice())
         })
         .collect();
-    DVector::from_fn(n, |i, _| (values[2 * i] - values[2 * i + 1]) / (2.0 * STEP))
+    DVector::from_fn(n, |i, _| (values[i] - value) / STEP)
 }
 
 /// The BFGS update of the inverse Hessian, skipped where the curvature is not positive.
