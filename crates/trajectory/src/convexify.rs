@@ -24,6 +24,36 @@ pub enum HessianModel {
     CostOnly,
 }
 
+/// How a convex Hessian is made.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Convexification {
+    pub model: HessianModel,
+    /// Smallest eigenvalue.
+    pub floor: f64,
+    /// Weight ρ of the groups' own equality rows.
+    pub weight: f64,
+}
+
+/// g + ρ Σ a_r (c_r − b_r) over the groups' own rows: what the squares add to the gradient.
+pub(crate) fn gradient(
+    s: &Structure,
+    gradient: &[f64],
+    jacobian: &[f64],
+    rows: &[f64],
+    weight: f64,
+) -> Vec<f64> {
+    let mut out = gradient.to_vec();
+    for group in &s.groups {
+        for own in &group.own_rows {
+            let miss = weight * (rows[own.row] - s.row_upper[own.row]);
+            for &(slot, place) in &own.entries {
+                out[group.variables[place]] += miss * jacobian[slot];
+            }
+        }
+    }
+    out
+}
+
 /// How convex the exact Hessian was.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Convexity {
@@ -46,15 +76,23 @@ pub(crate) fn assemble(structure: &Structure, groups: &[Vec<f64>], values: &mut 
     }
 }
 
-/// Scatters the groups, made convex, into the Hessian's pattern.
+/// Scatters the groups, made convex, into the Hessian's pattern; `clipping` gets
+/// what clipping alone adds to the exact Hessian.
 pub(crate) fn assemble_convex(
     structure: &Structure,
     groups: &[Vec<f64>],
-    model: HessianModel,
-    floor: f64,
+    jacobian: &[f64],
+    settings: Convexification,
     values: &mut [f64],
+    clipping: &mut [f64],
 ) -> Convexity {
+    let Convexification {
+        model,
+        floor,
+        weight,
+    } = settings;
     values.fill(0.0);
+    clipping.fill(0.0);
     let mut convexity = Convexity {
         smallest: f64::INFINITY,
         changed: 0,
@@ -65,6 +103,15 @@ pub(crate) fn assemble_convex(
             convexity.smallest = convexity.smallest.min(0.0);
             continue;
         }
+        let mut squared = dense.clone();
+        for own in &group.own_rows {
+            for &(a, i) in &own.entries {
+                for &(b, j) in &own.entries {
+                    squared[i * n + j] += weight * jacobian[a] * jacobian[b];
+                }
+            }
+        }
+        let dense = &squared;
         let eigen = SymmetricEigen::new(DMatrix::from_row_slice(n, n, dense));
         let smallest = eigen.eigenvalues.min();
         convexity.smallest = convexity.smallest.min(smallest);
@@ -74,7 +121,7 @@ pub(crate) fn assemble_convex(
         }
         // H + Σ (φ(λ) − λ) v vᵀ over the changed eigenvalues only: directions
         // that were convex keep their curvature to the last bit.
-        let mut convex = DMatrix::from_row_slice(n, n, dense);
+        let mut added = DMatrix::zeros(n, n);
         for (k, &λ) in eigen.eigenvalues.iter().enumerate() {
             let target = match model {
                 HessianModel::ExactMirror => λ.abs().max(floor),
@@ -83,10 +130,16 @@ pub(crate) fn assemble_convex(
             if λ < 0.0 {
                 convexity.changed += 1;
                 let v = eigen.eigenvectors.column(k);
-                convex.ger(target - λ, &v, &v, 1.0);
+                added.ger(target - λ, &v, &v, 1.0);
             }
         }
-        scatter(&group.slots, n, |i, j| convex[(i, j)], values);
+        scatter(
+            &group.slots,
+            n,
+            |i, j| dense[i * n + j] + added[(i, j)],
+            values,
+        );
+        scatter(&group.slots, n, |i, j| added[(i, j)], clipping);
     }
     // A small multiple of the identity keeps directions without any curvature
     // from making the subproblem's minimiser a set.

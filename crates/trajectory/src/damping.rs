@@ -13,7 +13,7 @@ const AIM: f64 = 10.0;
 /// Damping below this is dropped.
 const NEGLIGIBLE: f64 = 1e-8;
 /// First damping that is tried.
-const FIRST: f64 = 1e-4;
+const FIRST: f64 = 1e-3;
 
 /// The present damping δ ≥ 0.
 #[derive(Clone, Copy, Debug, Default)]
@@ -30,9 +30,9 @@ impl Damping {
         self.0 = (floor + self.0) * length / AIM;
     }
 
-    /// The subproblem could not be resolved; `size` is the Hessian's largest entry.
-    pub(crate) fn stiffen(&mut self, size: f64) {
-        self.0 = (10.0 * self.0).max(FIRST * size.max(1.0));
+    /// The subproblem could not be resolved.
+    pub(crate) fn stiffen(&mut self) {
+        self.0 = (10.0 * self.0).max(FIRST);
     }
 
     /// A step of length `alpha` was accepted.
@@ -42,8 +42,8 @@ impl Damping {
             if self.0 < NEGLIGIBLE {
                 self.0 = 0.0;
             }
-        } else if alpha < 0.1 {
-            self.0 = (4.0 * self.0).max(FIRST);
+        } else if alpha < 0.3 {
+            self.0 = (10.0 * self.0).max(FIRST);
         }
     }
 }

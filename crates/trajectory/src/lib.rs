@@ -8,6 +8,7 @@
 // Sparse and block loops run over slots of several arrays at once.
 #![allow(clippy::needless_range_loop)]
 
+mod active_set;
 mod certificate;
 pub mod collocation;
 mod convexify;

@@ -19,6 +19,17 @@ pub(crate) struct Group {
     pub members: Vec<(usize, Vec<usize>)>,
     /// Slot of the entry (i, j), i ≤ j, row by row of the upper triangle.
     pub slots: Vec<usize>,
+    /// Equality rows over variables of this group alone.
+    pub own_rows: Vec<OwnRow>,
+}
+
+/// An equality row that a group can account for by itself.
+#[derive(Clone, Debug)]
+pub(crate) struct OwnRow {
+    /// The row.
+    pub row: usize,
+    /// Jacobian slot and place of its variable in the group.
+    pub entries: Vec<(usize, usize)>,
 }
 
 /// Patterns, limits and groups of a programme, in scaled units.
@@ -125,7 +136,7 @@ impl<'p, P: Programme> Model<'p, P> {
             })
             .collect();
 
-        let (hessian, groups) = lay_out_groups(&blocks, n);
+        let (hessian, mut groups) = lay_out_groups(&blocks, n);
         let limits = |pick: fn(&crate::Row) -> f64| -> Vec<f64> {
             let block_rows = blocks.iter().flat_map(|b| b.rows.iter());
             block_rows
@@ -133,6 +144,12 @@ impl<'p, P: Programme> Model<'p, P> {
                 .map(|r| pick(r) / r.scale)
                 .collect()
         };
+        let equal: Vec<bool> = limits(|r| r.lower)
+            .iter()
+            .zip(&limits(|r| r.upper))
+            .map(|(l, u)| l == u)
+            .collect();
+        claim_rows(&mut groups, &jacobian, &equal);
         let structure = Structure {
             lower: variables.iter().map(|v| v.lower / v.scale).collect(),
             upper: variables.iter().map(|v| v.upper / v.scale).collect(),
@@ -308,6 +325,7 @@ fn lay_out_groups(blocks: &[Block], n: usize) -> (Pattern, Vec<Group>) {
                 variables,
                 members,
                 slots: Vec::new(),
+                own_rows: Vec::new(),
             }
         })
         .collect();
@@ -325,6 +343,34 @@ fn lay_out_groups(blocks: &[Block], n: usize) -> (Pattern, Vec<Group>) {
         }
     }
     (pattern, groups)
+}
+
+/// Gives every equality row to the first group that has all its variables.
+fn claim_rows(groups: &mut [Group], jacobian: &Pattern, equal: &[bool]) {
+    let mut entries = vec![Vec::new(); jacobian.rows];
+    for (slot, row, column) in jacobian.entries() {
+        entries[row].push((slot, column));
+    }
+    let mut groups_of = vec![Vec::new(); jacobian.columns];
+    for (g, group) in groups.iter().enumerate() {
+        for &v in &group.variables {
+            groups_of[v].push(g);
+        }
+    }
+    for (row, list) in entries.iter().enumerate().filter(|(row, _)| equal[*row]) {
+        let Some(&(_, first)) = list.first() else {
+            continue;
+        };
+        let owner = groups_of[first].iter().find(|&&g| {
+            list.iter()
+                .all(|(_, v)| groups[g].variables.binary_search(v).is_ok())
+        });
+        if let Some(&g) = owner {
+            let place = |v: usize| groups[g].variables.partition_point(|&u| u < v);
+            let entries = list.iter().map(|&(slot, v)| (slot, place(v))).collect();
+            groups[g].own_rows.push(OwnRow { row, entries });
+        }
+    }
 }
 
 fn check_variables(

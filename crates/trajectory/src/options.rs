@@ -15,6 +15,8 @@ pub struct Options {
     pub certified: f64,
     /// How the Hessian of the subproblem is made.
     pub hessian: HessianModel,
+    /// Weight ρ of the squares of a group's own equality rows (see `convexify`).
+    pub row_weight: f64,
     /// Smallest eigenvalue of a convexified group.
     pub curvature_floor: f64,
     /// Newton steps on the active set that the last subproblem found.
@@ -35,6 +37,7 @@ impl Default for Options {
             feasibility: 1e-7,
             certified: 1e-9,
             hessian: HessianModel::ExactClip,
+            row_weight: 10.0,
             curvature_floor: 1e-7,
             newton_steps: true,
             second_order_correction: true,

@@ -6,20 +6,24 @@
 //! the subproblem with the exact Hessian. It is therefore tried first on the
 //! active set that Clarabel found last, and again on each new one.
 
-use crate::convexify::{self, Convexity};
+use crate::active_set::{self, Hessians, Settled};
+use crate::convexify::{self, Convexification, Convexity};
 use crate::damping::Damping;
 use crate::elastic::{self, ElasticStep};
 use crate::iterate::Iterate;
 use crate::merit;
 use crate::model::{Evaluator, Structure};
-use crate::newton::{ActiveSet, Limits, NewtonStep, NewtonSystem};
+use crate::newton::{ActiveSet, Limits, NewtonSystem};
 use crate::pattern::max_abs;
 use crate::qp::{QpData, QpStep, Subproblem};
 use crate::solution::{Counters, StepKind};
 use crate::{HessianModel, Options, Status};
 use clarabel::solver::SolverStatus;
 
-/// A step with multipliers and the active set it is made for.
+/// A share of the clipping below this is dropped.
+const LEAST_SHARE: f64 = 1e-2;
+
+/// A step with multipliers.
 #[derive(Clone, Debug)]
 pub(crate) struct Proposal {
     pub kind: StepKind,
@@ -42,6 +46,9 @@ pub(crate) struct Proposer<'e> {
     groups: Vec<Vec<f64>>,
     pub hessian: Vec<f64>,
     convex: Vec<f64>,
+    clipping: Vec<f64>,
+    /// Share of the clipping that Newton's step starts with.
+    share: f64,
     pub damping: Damping,
     pub active: Option<ActiveSet>,
     pub convexity: Convexity,
@@ -60,6 +67,8 @@ impl<'e> Proposer<'e> {
             groups: vec![Vec::new(); s.groups.len()],
             hessian: vec![0.0; s.hessian.len()],
             convex: vec![0.0; s.hessian.len()],
+            clipping: vec![0.0; s.hessian.len()],
+            share: 0.0,
             damping: Damping::default(),
             active: None,
             convexity: Convexity {
@@ -96,41 +105,70 @@ impl<'e> Proposer<'e> {
             self.evaluator
                 .second(&at.x, 1.0, &vec![0.0; at.y.len()], &mut self.groups);
         }
-        let (model, floor) = (self.options.hessian, self.options.curvature_floor);
-        self.convexity =
-            convexify::assemble_convex(self.s(), &self.groups, model, floor, &mut self.convex);
+        let settings = Convexification {
+            model: self.options.hessian,
+            floor: self.options.curvature_floor,
+            weight: self.options.row_weight,
+        };
+        self.convexity = convexify::assemble_convex(
+            self.s(),
+            &self.groups,
+            &at.jacobian,
+            settings,
+            &mut self.convex,
+            &mut self.clipping,
+        );
         self.convex_is_current = true;
     }
 
-    /// Newton's step on the active set of the last subproblem, if it solves
-    /// the subproblem with the exact Hessian.
+    /// Newton's step on the active set of the last subproblem, if it (revised) solves the
+    /// subproblem with a Hessian that is exact or nearly so.
     pub(crate) fn newton_step(
         &mut self,
         at: &Iterate,
         counters: &mut Counters,
     ) -> Option<Proposal> {
         let active = self.active.clone()?;
-        let s = self.s();
-        let limits = Limits::of(s, &at.x, &at.rows, &at.y, &at.z);
-        self.newton_on(at, &active, &limits, counters)
+        let limits = Limits::of(self.s(), &at.x, &at.rows, &at.y, &at.z);
+        self.newton_on(at, active, limits, counters)
     }
 
     fn newton_on(
         &mut self,
         at: &Iterate,
-        active: &ActiveSet,
-        limits: &Limits,
+        active: ActiveSet,
+        limits: Limits,
         counters: &mut Counters,
     ) -> Option<Proposal> {
+        self.refresh_convex(at, counters);
         let s = self.s();
-        let step = self.newton.step(s, &self.hessian, at, active, limits);
+        let hessians = Hessians {
+            exact: &self.hessian,
+            clipping: &self.clipping,
+        };
+        let settled = active_set::settle(
+            s,
+            &mut self.newton,
+            &hessians,
+            at,
+            active,
+            limits,
+            self.share,
+        );
         counters.factorisations = self.newton.factorisations;
-        let step = step.filter(|step| {
-            step.positive_definite
-                && Damping::trusts(max_abs(&step.d))
-                && solves_subproblem(s, at, active, limits, step)
-        })?;
-        let curvature = s.hessian.quadratic_form(&self.hessian, &step.d);
+        let Settled {
+            step,
+            active,
+            hessian,
+            share,
+        } = settled?;
+        self.share = if share > LEAST_SHARE {
+            0.5 * share
+        } else {
+            0.0
+        };
+        self.active = Some(active);
+        let curvature = s.hessian.quadratic_form(&hessian, &step.d);
         Some(Proposal {
             kind: StepKind::Newton,
             d: step.d,
@@ -164,11 +202,11 @@ impl<'e> Proposer<'e> {
         self.active = Some(active.clone());
         if newton {
             let limits = Limits::of(s, &at.x, &at.rows, &step.y, &step.z);
-            if let Some(proposal) = self.newton_on(at, &active, &limits, counters) {
+            if let Some(proposal) = self.newton_on(at, active, limits, counters) {
                 return Ok(proposal);
             }
         }
-        Ok(self.convex_proposal(StepKind::Subproblem, step, 0.0))
+        Ok(self.convex_proposal(at, StepKind::Subproblem, step, 0.0))
     }
 
     /// Solves the convex subproblem, with more damping while its step is out of reach.
@@ -183,9 +221,10 @@ impl<'e> Proposer<'e> {
         for attempt in 0..3 {
             let hessian = self.damped_hessian();
             counters.subproblems += 1;
-            last = self
-                .subproblem
-                .solve(s, &QpData::at(at, &hessian, &at.rows), tolerance);
+            let gradient = self.gradient(at, &at.rows);
+            last =
+                self.subproblem
+                    .solve(s, &QpData::at(at, &hessian, &gradient, &at.rows), tolerance);
             match &last {
                 Ok(step) => {
                     counters.interior_iterations += step.iterations;
@@ -200,11 +239,40 @@ impl<'e> Proposer<'e> {
                 }
                 Err(_) => {
                     self.subproblem.reset();
-                    self.damping.stiffen(max_abs(&self.convex));
+                    self.damping.stiffen();
                 }
             }
         }
         last
+    }
+
+    /// The gradient that goes with the convex Hessian.
+    fn gradient(&self, at: &Iterate, rows: &[f64]) -> Vec<f64> {
+        convexify::gradient(
+            self.s(),
+            &at.gradient,
+            &at.jacobian,
+            rows,
+            self.options.row_weight,
+        )
+    }
+
+    /// Share of dᵀPd that the squares of the rows make, and that is no curvature of the cost.
+    fn squares(&self, at: &Iterate, d: &[f64]) -> f64 {
+        let s = self.s();
+        let own = s
+            .groups
+            .iter()
+            .flat_map(|g| g.own_rows.iter().map(move |own| (g, own)));
+        let moves = own.map(|(g, own)| {
+            let product: f64 = own
+                .entries
+                .iter()
+                .map(|&(slot, p)| at.jacobian[slot] * d[g.variables[p]])
+                .sum();
+            product * product
+        });
+        self.options.row_weight * moves.sum::<f64>()
     }
 
     /// H + δI.
@@ -229,7 +297,8 @@ impl<'e> Proposer<'e> {
         self.refresh_convex(at, counters);
         let s = self.s();
         let hessian = self.damped_hessian();
-        let data = QpData::at(at, &hessian, &at.rows);
+        let gradient = self.gradient(at, &at.rows);
+        let data = QpData::at(at, &hessian, &gradient, &at.rows);
         let subproblem = self
             .elastic
             .get_or_insert_with(|| Subproblem::new_elastic(s));
@@ -248,35 +317,25 @@ impl<'e> Proposer<'e> {
         self.active = None;
         match outcome {
             ElasticStep::Step(step, price) => {
-                Ok(self.convex_proposal(StepKind::Elastic, step, price))
+                Ok(self.convex_proposal(at, StepKind::Elastic, step, price))
             }
             ElasticStep::NoRelief => Err(Status::LocallyInfeasible),
             ElasticStep::Failed => Err(Status::SubproblemFailed),
         }
     }
 
-    /// The subproblem linearised from other row values: a second-order correction.
-    pub(crate) fn corrected_step(
-        &mut self,
+    fn convex_proposal(
+        &self,
         at: &Iterate,
-        rows: &[f64],
-        counters: &mut Counters,
-    ) -> Option<Proposal> {
-        self.refresh_convex(at, counters);
-        let s = self.s();
-        let hessian = self.damped_hessian();
-        let data = QpData::at(at, &hessian, rows);
-        counters.subproblems += 1;
-        let step = self.subproblem.solve(s, &data, 1e-8).ok()?;
-        counters.interior_iterations += step.iterations;
-        Some(self.convex_proposal(StepKind::Corrected, step, 0.0))
-    }
-
-    fn convex_proposal(&self, kind: StepKind, step: QpStep, penalty: f64) -> Proposal {
-        let curvature = self
+        kind: StepKind,
+        step: QpStep,
+        penalty: f64,
+    ) -> Proposal {
+        let total = self
             .s()
             .hessian
             .quadratic_form(&self.damped_hessian(), &step.d);
+        let curvature = total - self.squares(at, &step.d);
         Proposal {
             kind,
             d: step.d,
@@ -286,40 +345,6 @@ impl<'e> Proposer<'e> {
             penalty,
         }
     }
-}
-
-/// Does Newton's step keep the inactive limits and have multipliers of the right sign?
-fn solves_subproblem(
-    s: &Structure,
-    at: &Iterate,
-    active: &ActiveSet,
-    limits: &Limits,
-    step: &NewtonStep,
-) -> bool {
-    let size = 1.0 + max_abs(&step.y);
-    let wrong = |multiplier: f64, limit: f64, lower: f64, upper: f64| {
-        lower < upper
-            && ((limit == upper && multiplier < -1e-9 * size)
-                || (limit == lower && multiplier > 1e-9 * size))
-    };
-    let mut moved = at.rows.clone();
-    s.jacobian.add_product(&at.jacobian, &step.d, &mut moved);
-    let rows_fit = (0..s.rows()).all(|r| {
-        if active.rows[r] {
-            !wrong(step.y[r], limits.rows[r], s.row_lower[r], s.row_upper[r])
-        } else {
-            moved[r] <= s.row_upper[r] + 1e-9 && moved[r] >= s.row_lower[r] - 1e-9
-        }
-    });
-    rows_fit
-        && (0..s.variables()).all(|v| {
-            let x = at.x[v] + step.d[v];
-            if active.bounds[v] {
-                !wrong(step.z[v], limits.bounds[v], s.lower[v], s.upper[v])
-            } else {
-                x <= s.upper[v] + 1e-9 && x >= s.lower[v] - 1e-9
-            }
-        })
 }
 
 /// gᵀd + ½ max(0, dᵀHd) and the relief v − v_lin of a proposal.

@@ -43,10 +43,15 @@ pub(crate) struct QpData<'a> {
 
 impl<'a> QpData<'a> {
     /// The subproblem at a point, linearised from these row values.
-    pub(crate) fn at(at: &'a Iterate, hessian: &'a [f64], rows: &'a [f64]) -> Self {
+    pub(crate) fn at(
+        at: &'a Iterate,
+        hessian: &'a [f64],
+        gradient: &'a [f64],
+        rows: &'a [f64],
+    ) -> Self {
         Self {
             hessian,
-            gradient: &at.gradient,
+            gradient,
             jacobian: &at.jacobian,
             x: &at.x,
             rows,
@@ -332,6 +337,9 @@ fn settings(tolerance: f64) -> DefaultSettings<f64> {
         .presolve_enable(false)
         .input_sparse_dropzeros(false)
         .max_iter(100)
+        .iterative_refinement_reltol(1e-10)
+        .iterative_refinement_abstol(1e-10)
+        .iterative_refinement_max_iter(4)
         .tol_gap_abs(tolerance)
         .tol_gap_rel(tolerance)
         .tol_feas(tolerance)

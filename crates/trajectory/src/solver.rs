@@ -11,16 +11,20 @@ use crate::iterate::{Iterate, clamp};
 use crate::merit::{self, Merit};
 use crate::model::{Evaluator, Model};
 use crate::newton::ActiveSet;
+use crate::pattern::max_abs;
 use crate::penalty::Penalty;
 use crate::polish::polish;
 use crate::proposal::{Proposal, Proposer, model_change};
+use crate::soc::Correction;
 use crate::solution::{Counters, Iteration, Solution, Start, StepKind};
-use crate::{Options, Programme, ProgrammeError, Status, soc};
+use crate::{Options, Programme, ProgrammeError, Status};
 
 /// Shortest step that the line search tries.
 const SHORTEST: f64 = 1e-8;
 /// Newton's step and a first subproblem step shorter than this give way to another source.
 const IMPATIENT: f64 = 0.05;
+/// Multipliers that grow by more than this in one step are not believed.
+const EXCESS: f64 = 20.0;
 /// A cost below this is taken for unbounded (scaled).
 const BOTTOMLESS: f64 = -1e15;
 
@@ -162,7 +166,7 @@ impl<'e> Run<'e> {
         {
             return Ok(());
         }
-        let tolerance = (1e-3 * error).clamp(1e-9, 1e-6);
+        let tolerance = (1e-2 * error).clamp(1e-8, 1e-4);
         let penalty = self.penalty.0;
         let mut proposal = self.proposer.subproblem_step(
             &self.at,
@@ -171,6 +175,19 @@ impl<'e> Run<'e> {
             tolerance,
             &mut self.counters,
         )?;
+        let missed = self.at.violation(self.e) > self.options.feasibility;
+        let known = max_abs(&self.at.y).max(penalty).max(10.0);
+        if missed && proposal.kind == StepKind::Subproblem && max_abs(&proposal.y) > EXCESS * known
+        {
+            // Nearly contradicting rows show in their multipliers before they show in the status.
+            if let Ok(elastic) = self
+                .proposer
+                .elastic_step(&self.at, known, &mut self.counters)
+                && self.search(&elastic, IMPATIENT)
+            {
+                return Ok(());
+            }
+        }
         if self.search(&proposal, IMPATIENT) {
             return Ok(());
         }
@@ -186,7 +203,6 @@ impl<'e> Run<'e> {
                 return Ok(());
             }
         }
-        let missed = self.at.violation(self.e) > self.options.feasibility;
         if missed && proposal.kind != StepKind::Elastic {
             // Contradicting or nearly dependent rows make long steps with large multipliers; the
             // elastic subproblem at the present penalty bounds both.
@@ -210,8 +226,7 @@ impl<'e> Run<'e> {
         let (slope, model, relief) = model_change(s, &self.at, proposal);
         let before = self.penalty;
         self.penalty.0 = self.penalty.0.max(proposal.penalty);
-        self.penalty
-            .update(model, relief, crate::pattern::max_abs(&proposal.y));
+        self.penalty.update(model, relief, max_abs(&proposal.y));
         let violation = self.at.violation(self.e);
         let merit = Merit {
             value: self.at.cost + self.penalty.0 * violation,
@@ -223,6 +238,7 @@ impl<'e> Run<'e> {
             return false;
         }
         let mut rows = vec![0.0; s.rows()];
+        let mut correction = None;
         let mut alpha = 1.0;
         while alpha >= shortest {
             let x = self.point_at(alpha, &proposal.d);
@@ -231,12 +247,17 @@ impl<'e> Run<'e> {
                 self.move_to(x, alpha, proposal, proposal.kind);
                 return true;
             }
-            let correctable = alpha == 1.0
-                && self.options.second_order_correction
-                && v.is_finite()
-                && v > 1e-3 * relief;
-            if correctable && self.correct(proposal, &merit, &rows) {
-                return true;
+            let curved = v.is_finite() && v > (1.0 - alpha) * violation + 1e-3 * relief.max(0.0);
+            if self.options.second_order_correction && curved && alpha >= IMPATIENT {
+                if alpha == 1.0 {
+                    correction =
+                        Correction::prepare(s, &mut self.proposer.newton, &self.at, &x, &rows);
+                }
+                if let Some(correction) = &correction
+                    && self.correct(correction, proposal, &merit, alpha, x, &rows)
+                {
+                    return true;
+                }
             }
             alpha *= 0.5;
         }
@@ -244,28 +265,31 @@ impl<'e> Run<'e> {
         false
     }
 
-    /// Tries the second-order correction of a rejected full step.
-    fn correct(&mut self, proposal: &Proposal, merit: &Merit, trial_rows: &[f64]) -> bool {
-        if proposal.kind == StepKind::Elastic {
-            return false;
-        }
+    /// Tries the second-order correction of a rejected trial point.
+    fn correct(
+        &mut self,
+        correction: &Correction,
+        proposal: &Proposal,
+        merit: &Merit,
+        alpha: f64,
+        mut x: Vec<f64>,
+        trial_rows: &[f64],
+    ) -> bool {
         let s = self.e.structure();
         self.counters.corrections += 1;
-        let rows = soc::corrected_rows(s, &self.at.jacobian, &proposal.d, trial_rows);
-        let Some(corrected) = self
-            .proposer
-            .corrected_step(&self.at, &rows, &mut self.counters)
+        let Some(p) = correction.step(s, &mut self.proposer.newton, &self.at, alpha, trial_rows)
         else {
             return false;
         };
-        let x = self.point_at(1.0, &corrected.d);
+        x.iter_mut().zip(&p).for_each(|(x, p)| *x += p);
+        clamp(&mut x, &s.lower, &s.upper);
         let mut rows = vec![0.0; s.rows()];
         let (cost, v) = self.values(&x, &mut rows);
-        if !merit.accepts(1.0, cost, v) {
+        if !merit.accepts(alpha, cost, v) {
             return false;
         }
         self.counters.corrections_accepted += 1;
-        self.move_to(x, 1.0, &corrected, StepKind::Corrected);
+        self.move_to(x, alpha, proposal, StepKind::Corrected);
         true
     }
 
@@ -303,7 +327,7 @@ impl<'e> Run<'e> {
                 violation: self.at.violation(self.e),
                 optimality: self.at.error(self.e).worst(),
                 alpha,
-                step: crate::pattern::max_abs(&proposal.d),
+                step: max_abs(&proposal.d),
                 penalty: self.penalty.0,
                 kind,
                 smallest_eigenvalue: self.proposer.convexity.smallest,
