@@ -218,6 +218,7 @@ fn taylor_ratio(
 
 #[test]
 fn derivatives_of_the_whole_chain_are_exact() {
+    let mut wrong = Vec::new();
     let experiment = Experiment::new(&rich(200)).expect("moves");
     for cause in catalogue() {
         if cause.id() == "force-resolution" {
@@ -235,6 +236,12 @@ fn derivatives_of_the_whole_chain_are_exact() {
             } else {
                 p[k]
             };
+            // a period counts by the phase that it moves at the end of the plate or of the run
+            match model.parameters()[k].name.as_ref() {
+                "pitch_m" | "wavelength_m" => direction[k] = p[k] * p[k] / 0.3,
+                "frequency_hz" => direction[k] = 0.1,
+                _ => {}
+            }
             let e = 1e-2;
             let (ratio, linear) = taylor_ratio(&model, &experiment, &p, &direction, e);
             let name = format!("{}, {}", cause.id(), model.parameters()[k].name);
@@ -244,16 +251,17 @@ fn derivatives_of_the_whole_chain_are_exact() {
             }
             let kinked = matches!(cause.id(), "force-saturation" | "clock-offset" | "backlash");
             let low = if kinked { 2.0 } else { 3.3 };
-            assert!(
-                ratio > low && ratio < 4.9,
-                "{name}: ratio {ratio}, linear/remainder {linear}"
-            );
+            if !(ratio > low && ratio < 4.9) {
+                wrong.push(format!("{name}: ratio {ratio:.2}, linear over remainder {linear:.1e}"));
+            }
         }
     }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 #[test]
 fn derivatives_at_the_null_are_one_sided_limits() {
+    let mut wrong = Vec::new();
     let experiment = Experiment::new(&rich(200)).expect("moves");
     for cause in catalogue().into_iter().filter(|c| !c.is_data_integrity()) {
         let (law, parameters) = base(cause.as_ref());
@@ -263,17 +271,19 @@ fn derivatives_at_the_null_are_one_sided_limits() {
         p.extend(&grid[grid.len() / 3]);
         let specs = cause.parameters_for(&experiment);
         let columns: Vec<usize> = cause.sizes().iter().map(|i| parameters.len() + i).collect();
-        let (value, jacobian) = model.predict_with_jacobian(&experiment, &p, Some(&columns));
+        let (_, jacobian) = model.predict_with_jacobian(&experiment, &p, Some(&columns));
         for (j, &size) in cause.sizes().iter().enumerate() {
-            let difference = |e: f64| {
+            // both off the null, where knots and branches are those of the extension
+            let at = |e: f64| {
                 let mut moved = p.clone();
                 moved[columns[j]] = e * specs[size].typical;
-                let f = model.predict(&experiment, &moved);
+                model.predict(&experiment, &moved)
+            };
+            let difference = |e: f64| {
+                let (f, g) = (at(e), at(2.0 * e));
                 let slope = jacobian.column(j) * specs[size].typical;
-                let error: f64 = (0..f.len())
-                    .map(|i| ((f[i] - value[i]) / e - slope[i]).powi(2))
-                    .sum::<f64>()
-                    .sqrt();
+                let error: f64 =
+                    (0..f.len()).map(|i| ((g[i] - f[i]) / e - slope[i]).powi(2)).sum::<f64>().sqrt();
                 error / slope.norm()
             };
             assert!(jacobian.column(j).norm() > 0.0, "{}", cause.id());
@@ -285,6 +295,7 @@ fn derivatives_at_the_null_are_one_sided_limits() {
             );
         }
     }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 #[test]

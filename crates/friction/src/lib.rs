@@ -6,6 +6,7 @@
 //! generator that is passed in.
 
 mod curve;
+mod ensemble;
 mod integrate;
 mod kind;
 mod law;
@@ -16,6 +17,7 @@ pub mod radau;
 mod scalar;
 
 pub use curve::{Exponent, StribeckCurve};
+pub use ensemble::{Ensemble, EnsembleError};
 pub use integrate::{IntegrationError, Record, integrate, linear_stretches};
 pub use kind::{LawError, LawKind};
 pub use law::{Asymmetry, CosinePlacement, Drive, Evaluation, Law, Lean, Motion, SIGN_WIDTH};

@@ -19,6 +19,7 @@ use friction::radau::{A, C, E, GAMMA, collocation_weights};
 use friction::{Drive, Evaluation, IntegrationError, Law, Record, Scalar};
 
 use crate::chain::drive_at;
+use crate::factorised::Factorised;
 
 const TOLERANCE: f64 = 1e-6;
 const NEWTON_TOLERANCE: f64 = 1e-8;
@@ -151,77 +152,6 @@ impl Instant<f64> {
                 -self.weight * self.law.coefficient_v - coupling.damping,
             ],
         ]
-    }
-}
-
-/// A linear system of `N` equations, factorised with row scaling and partial pivoting.
-struct Factorised<const N: usize> {
-    lu: [[f64; N]; N],
-    scale: [f64; N],
-    order: [usize; N],
-}
-
-impl<const N: usize> Factorised<N> {
-    fn new(mut m: [[f64; N]; N]) -> Option<Self> {
-        let mut scale = [0.0; N];
-        for (row, scale) in m.iter_mut().zip(&mut scale) {
-            let largest = row.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
-            if !(largest > 0.0 && largest.is_finite()) {
-                return None;
-            }
-            *scale = 1.0 / largest;
-            row.iter_mut().for_each(|x| *x *= *scale);
-        }
-        let mut order: [usize; N] = std::array::from_fn(|i| i);
-        for k in 0..N {
-            let mut pivot = k;
-            for i in k + 1..N {
-                if m[i][k].abs() > m[pivot][k].abs() {
-                    pivot = i;
-                }
-            }
-            if m[pivot][k].abs() < 1e-280 {
-                return None;
-            }
-            m.swap(k, pivot);
-            order.swap(k, pivot);
-            let head = m[k];
-            let inverse = 1.0 / head[k];
-            for row in m.iter_mut().skip(k + 1) {
-                let ratio = row[k] * inverse;
-                row[k] = ratio;
-                if ratio != 0.0 {
-                    for j in k + 1..N {
-                        row[j] -= ratio * head[j];
-                    }
-                }
-            }
-        }
-        Some(Self {
-            lu: m,
-            scale,
-            order,
-        })
-    }
-
-    fn solve<D: Scalar>(&self, rhs: &[D; N]) -> [D; N] {
-        let mut x: [D; N] = std::array::from_fn(|i| rhs[self.order[i]] * self.scale[self.order[i]]);
-        for i in 0..N {
-            for j in 0..i {
-                if self.lu[i][j] != 0.0 {
-                    x[i] = x[i] - x[j] * self.lu[i][j];
-                }
-            }
-        }
-        for i in (0..N).rev() {
-            for j in i + 1..N {
-                if self.lu[i][j] != 0.0 {
-                    x[i] = x[i] - x[j] * self.lu[i][j];
-                }
-            }
-            x[i] /= self.lu[i][i];
-        }
-        x
     }
 }
 

@@ -12,6 +12,7 @@ mod chain;
 mod cord;
 mod effect;
 mod experiment;
+mod factorised;
 mod jacobian;
 mod model;
 mod model_file;

@@ -1,6 +1,6 @@
 //! Campaigns made by hand for the tests of the catalogue: commanded motions, loads and a clock, forces of zero.
 
-#![allow(dead_code)]
+#![allow(dead_code, unreachable_pub)]
 
 use campaign::{
     Axis, Campaign, Direction, InitialState, Protocol, Provenance, RigData, Run, Specimen,

@@ -1,6 +1,6 @@
 //! Small campaigns made by hand, and a spring that holds the specimen: a cause written outside the crate.
 
-#![allow(dead_code)]
+#![allow(dead_code, unreachable_pub)]
 
 use campaign::{
     Axis, Campaign, Direction, InitialState, Protocol, Provenance, RigData, Run, Specimen,
