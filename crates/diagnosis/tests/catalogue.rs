@@ -218,7 +218,7 @@ fn taylor_ratio(
 
 #[test]
 fn derivatives_of_the_whole_chain_are_exact() {
-    let mut wrong = Vec::new();
+    let mut wrong: Vec<String> = Vec::new();
     let experiment = Experiment::new(&rich(200)).expect("moves");
     for cause in catalogue() {
         if cause.id() == "force-resolution" {
@@ -252,7 +252,9 @@ fn derivatives_of_the_whole_chain_are_exact() {
             let kinked = matches!(cause.id(), "force-saturation" | "clock-offset" | "backlash");
             let low = if kinked { 2.0 } else { 3.3 };
             if !(ratio > low && ratio < 4.9) {
-                wrong.push(format!("{name}: ratio {ratio:.2}, linear over remainder {linear:.1e}"));
+                wrong.push(format!(
+                    "{name}: ratio {ratio:.2}, linear over remainder {linear:.1e}"
+                ));
             }
         }
     }
@@ -261,7 +263,7 @@ fn derivatives_of_the_whole_chain_are_exact() {
 
 #[test]
 fn derivatives_at_the_null_are_one_sided_limits() {
-    let mut wrong = Vec::new();
+    let mut wrong: Vec<String> = Vec::new();
     let experiment = Experiment::new(&rich(200)).expect("moves");
     for cause in catalogue().into_iter().filter(|c| !c.is_data_integrity()) {
         let (law, parameters) = base(cause.as_ref());
@@ -282,8 +284,10 @@ fn derivatives_at_the_null_are_one_sided_limits() {
             let difference = |e: f64| {
                 let (f, g) = (at(e), at(2.0 * e));
                 let slope = jacobian.column(j) * specs[size].typical;
-                let error: f64 =
-                    (0..f.len()).map(|i| ((g[i] - f[i]) / e - slope[i]).powi(2)).sum::<f64>().sqrt();
+                let error: f64 = (0..f.len())
+                    .map(|i| ((g[i] - f[i]) / e - slope[i]).powi(2))
+                    .sum::<f64>()
+                    .sqrt();
                 error / slope.norm()
             };
             assert!(jacobian.column(j).norm() > 0.0, "{}", cause.id());

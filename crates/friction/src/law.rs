@@ -287,7 +287,7 @@ impl<D: Scalar> Law<D> {
     fn static_coefficient(&self, drive: &Drive<D>) -> (D, D) {
         let (level, slope) = self.level(drive.curve_speed, drive);
         // mu = g(abs v) tanh(v/width) + sigma2 v
-        let sign = (drive.velocity / self.sign_width).tanh();
+        let sign = hyperbolic_tangent(drive.velocity / self.sign_width);
         let sign_slope = (-(sign * sign) + 1.0) / self.sign_width;
         let viscous = self.viscous_of(drive.sign);
         let mu = level * sign + viscous * drive.velocity;
@@ -394,5 +394,15 @@ impl<D: Scalar> Law<D> {
             lean.placement = placement;
         }
         self
+    }
+}
+
+/// tanh that stays a number for large arguments, where sinh and cosh of dual numbers overflow.
+fn hyperbolic_tangent<D: Scalar>(x: D) -> D {
+    // tanh(20) is 1 to the last bit
+    if x.value().abs() > 20.0 {
+        D::constant(x.value().signum())
+    } else {
+        x.tanh()
     }
 }

@@ -109,7 +109,7 @@ fn steady_state_is_the_level_of_the_curve() {
         let slow = time.iter().map(|t| t * 10.0).collect::<Vec<_>>();
         let velocity = vec![v; time.len()];
         let record = Record {
-            time_s: if v.abs() < 0.01 { &slow } else { &time },
+            time_s: if v.abs() < 0.05 { &slow } else { &time },
             velocity: &velocity,
             curve_speed: None,
             rest_gain: None,

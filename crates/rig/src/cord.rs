@@ -12,7 +12,7 @@
 //!
 //! C = 0 is the rigid chain (u = 0, q = P), m = 0 a cord without mass: both are algebraic limits of the same system,
 //! so derivatives exist at the null. Radau IIA solves M y' = F(y) with the singular M as it stands (Hairer and Wanner
-//! II, VI.1). Units: m, m/s, N, kg. Errors: steps keep the error estimate of z and q below 1e-6 of their size; between
+//! II, VI.1). Units: m, m/s, N, kg. Errors: steps keep the error estimate of z, q and the tension below 1e-6 of their size; between
 //! stages the collocation polynomial is read.
 
 use friction::radau::{A, C, E, GAMMA, collocation_weights};
@@ -332,7 +332,7 @@ impl<D: Scalar> Solver<'_, D> {
         }
     }
 
-    /// Largest error of z and q relative to their sizes: (M - h GAMMA J) e = h GAMMA F(y) + M sum_i E_i (Y_i - y).
+    /// Largest error of z, q and the tension relative to their sizes: (M - h GAMMA J) e = h GAMMA F(y) + M sum_i E_i (Y_i - y).
     fn estimate(
         &self,
         h: f64,
@@ -354,7 +354,9 @@ impl<D: Scalar> Solver<'_, D> {
         match Factorised::new(matrix) {
             Some(f) => {
                 let e: [f64; 3] = f.solve(&rhs);
-                (e[0] / self.size[0]).abs().max((e[1] / self.size[1]).abs())
+                let tension = e[1] + self.coupling.damping * e[2];
+                let force = e[1].abs().max(tension.abs()) / self.size[1];
+                force.max((e[0] / self.size[0]).abs())
             }
             None => f64::INFINITY,
         }

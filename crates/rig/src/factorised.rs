@@ -86,7 +86,10 @@ mod tests {
         let x = [1.0, -2.0, 0.5];
         let rhs: [f64; 3] = std::array::from_fn(|i| (0..3).map(|j| m[i][j] * x[j]).sum());
         let solved = Factorised::new(m).expect("regular").solve(&rhs);
-        assert!(solved.iter().zip(x).all(|(a, b)| (a - b).abs() < 1e-8), "{solved:?}");
+        assert!(
+            solved.iter().zip(x).all(|(a, b)| (a - b).abs() < 1e-8),
+            "{solved:?}"
+        );
         assert!(Factorised::new([[1.0, 2.0], [2.0, 4.0]]).is_none());
         assert!(Factorised::new([[0.0, 0.0], [2.0, 4.0]]).is_none());
         assert!(Factorised::new([[f64::NAN, 1.0], [2.0, 4.0]]).is_none());

@@ -129,11 +129,16 @@ fn static_laws_slip_and_stick_on_a_cord_without_leaving_the_numbers() {
     ] {
         for v in [ramp(&t, 0.006), wave(&t)] {
             for (c, d, m) in [(1e-3, 0.5, 0.2), (1e-2, 0.0, 0.2), (1e-5, 0.0, 0.2)] {
+                // stick-slip swings the mass by at most the stage's speed about the largest friction
+                let most = 1.3 * (LOAD * 0.65 + 0.06 * f64::sqrt(m / c));
                 let f = predicted(kind, &p, &v, &t, c, d, m);
                 assert!(
-                    f.iter().all(|f| f.is_finite() && f.abs() < 4.0),
-                    "{} C = {c}",
-                    kind.id()
+                    f.iter().all(|f| f.abs() < most),
+                    "{} C = {c}: {:?}",
+                    kind.id(),
+                    f.iter()
+                        .enumerate()
+                        .find(|(_, f)| f.is_nan() || f.abs() >= most)
                 );
             }
         }
