@@ -53,7 +53,8 @@ pub fn lag_step<D: Scalar>(x0: D, x1: D, y: D, dt: f64, tau: D) -> D {
 }
 
 /// The signal as it was `delay` seconds ago (ahead, if negative): a cubic through each pair of samples with their
-/// slopes; before the first and after the last sample the signal stands still.
+/// slopes; before the first and after the last sample the signal stands still (at no delay,
+/// the derivative is the one towards a late signal).
 pub fn delay<D: Scalar>(time_s: &[f64], signal: &mut [D], delay: D) {
     let n = signal.len();
     if n < 2 {
@@ -65,16 +66,11 @@ pub fn delay<D: Scalar>(time_s: &[f64], signal: &mut [D], delay: D) {
     for i in 0..n {
         let at = -delay + time_s[i];
         if at.value() <= time_s[0] {
-            // at zero delay the first sample keeps its one-sided derivative
-            let start = at.value() == time_s[0];
-            signal[i] = if start {
-                source[0] + (at - time_s[0]) * slopes[0]
-            } else {
-                source[0]
-            };
+            signal[i] = source[0];
             continue;
         }
         if at.value() >= time_s[n - 1] {
+            // at no delay the derivative is that towards a late signal
             let end = at.value() == time_s[n - 1];
             signal[i] = if end {
                 source[n - 1] + (at - time_s[n - 1]) * slopes[n - 1]

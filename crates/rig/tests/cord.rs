@@ -144,3 +144,31 @@ fn static_laws_slip_and_stick_on_a_cord_without_leaving_the_numbers() {
         }
     }
 }
+
+#[test]
+fn a_cord_without_mass_has_a_derivative_at_the_null() {
+    let t = time(300, 1.0 / 60.0);
+    let experiment =
+        Experiment::new(&campaign(vec![run(&t, wave(&t), Some(LOAD), 1)])).expect("moves");
+    let spring = Box::new(Spring { mass_kg: 0.0 });
+    let model = Model::new(LawKind::AsymmetricBristle, vec![spring], &experiment).expect("model");
+    let p = |c: f64| [&BRISTLE[..], &[c, 0.0]].concat();
+    let (_, jacobian) = model.predict_with_jacobian(&experiment, &p(0.0), Some(&[7]));
+    let error = |e: f64| {
+        let (near, far) = (
+            model.predict(&experiment, &p(e)),
+            model.predict(&experiment, &p(2.0 * e)),
+        );
+        let differences: Vec<f64> = near.iter().zip(&far).map(|(a, b)| (b - a) / e).collect();
+        let whole: f64 = jacobian.column(0).norm();
+        differences
+            .iter()
+            .zip(jacobian.column(0).iter())
+            .map(|(a, b)| (a - b).powi(2))
+            .sum::<f64>()
+            .sqrt()
+            / whole
+    };
+    let (coarse, fine) = (error(1e-4), error(1e-5));
+    assert!(fine < 0.02 && fine < 0.3 * coarse, "{coarse} {fine}");
+}

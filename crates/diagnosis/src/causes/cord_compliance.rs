@@ -3,8 +3,8 @@
 //! stand in [`rig::Coupling`].
 
 use friction::{ParameterSpec, Scalar};
-use rig::{Cause, Coupling, Experiment, Place, Reach, Station};
 use rig::GRAVITY_M_S2;
+use rig::{Cause, Coupling, Experiment, Place, Reach, Station};
 
 use super::grids;
 
@@ -13,8 +13,23 @@ use super::grids;
 pub struct CordCompliance;
 
 const PARAMETERS: &[ParameterSpec] = &[
-    ParameterSpec::new("compliance_m_n", "m/N", "compliance of the cord", 0.0, 1e3, 1e-3).with_null(0.0),
-    ParameterSpec::new("damping_n_s_m", "N s/m", "damping of the cord", 0.0, 1e9, 0.0),
+    ParameterSpec::new(
+        "compliance_m_n",
+        "m/N",
+        "compliance of the cord",
+        0.0,
+        1e3,
+        1e-3,
+    )
+    .with_null(0.0),
+    ParameterSpec::new(
+        "damping_n_s_m",
+        "N s/m",
+        "damping of the cord",
+        0.0,
+        1e9,
+        0.0,
+    ),
 ];
 
 impl Cause for CordCompliance {
@@ -51,7 +66,10 @@ impl Cause for CordCompliance {
 
     fn starts(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
         let typical = self.parameters_for(experiment)[0].typical;
-        [0.03, 0.3, 3.0].iter().map(|share| vec![share * typical, 0.0]).collect()
+        [0.03, 0.3, 3.0]
+            .iter()
+            .map(|share| vec![share * typical, 0.0])
+            .collect()
     }
 
     fn coupling<D: Scalar>(&self, p: &[D], at: Place<'_>, coupling: &mut Coupling<D>) {
@@ -61,6 +79,9 @@ impl Cause for CordCompliance {
             Some(load) => load / GRAVITY_M_S2,
             None => at.experiment.moving_mass_kg,
         };
-        coupling.mass = D::constant(mass);
+        // a mass rings after every jump of speed by the root of the compliance, which has no derivative at the null:
+        // there the derivative is that of the cord alone
+        let slack = p[0].value() == 0.0;
+        coupling.mass = D::constant(if slack { 0.0 } else { mass });
     }
 }
