@@ -99,6 +99,8 @@ pub struct ClaimRow {
     pub published: Prose,
     /// Ours, with its interval.
     pub ours: Prose,
+    /// The same number by number, where there are several: shown as a table in place of `ours` and `deviation`.
+    pub comparisons: Vec<Comparison>,
     /// How far apart, in the units that make sense (absolute, relative, last printed digits).
     pub deviation: Option<Prose>,
     /// The tolerance of the verdict.
@@ -133,6 +135,7 @@ impl ClaimRow {
             quote: None,
             published: Prose::default(),
             ours: Prose::default(),
+            comparisons: Vec::new(),
             deviation: None,
             tolerance: Prose::default(),
             reason: Prose::default(),
@@ -146,6 +149,21 @@ impl ClaimRow {
             multiverse: None,
         }
     }
+}
+
+/// One number of a claim, the paper's beside ours.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Comparison {
+    /// What is compared.
+    pub label: Prose,
+    /// The published interval, or the range that the claim's words allow.
+    pub published: Prose,
+    /// Ours.
+    pub ours: Prose,
+    /// How far outside, or nothing where they meet.
+    pub deviation: Prose,
+    /// Whether they agree within the tolerance; `None` where ours was not computed.
+    pub agrees: Option<bool>,
 }
 
 /// How often a verdict holds over the product of defensible choices.

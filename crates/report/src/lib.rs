@@ -35,11 +35,13 @@ mod value;
 
 pub use audit::{AuditItem, AuditOutcome};
 pub use chain::{Chain, Station, Suspect, SuspectState};
-pub use claim::{CauseClass, ClaimRow, Deviation, Multiverse, NegativeControl, Verdict};
+pub use claim::{
+    CauseClass, ClaimRow, Comparison, Deviation, Multiverse, NegativeControl, Verdict,
+};
 pub use document::{Choice, Document, Header, Input, Run, Status, Subject, Symbol};
 pub use drift::{Drift, DriftClass, DriftRow};
 pub use page::{identity, render, table_file};
-pub use prose::{Prose, literal};
+pub use prose::{Prose, literal, typeset, typeset_prose};
 pub use section::{Block, Equation, Notice, NoticeKind, Section};
 pub use table::{Align, Cell, Column, Table};
 pub use value::{Evidence, Value};

@@ -108,6 +108,20 @@ fn claim_view(claim: &ClaimRow, document: &Document, lookup: &Lookup<'_>) -> Res
         let text = lookup.inline(&format!("{{{{ ci(\"{id}\") }}}}").into(), &place)?;
         Ok(context! { id, text => safe(text) })
     })?;
+    let comparisons = each(&claim.comparisons, |item| {
+        let (class, symbol, word) = match item.agrees {
+            Some(true) => ("holds", "✓", "agrees"),
+            Some(false) => ("fails", "≠", "differs"),
+            None => ("open", "–", "not computed"),
+        };
+        Ok(context! {
+            label => inline(&item.label)?,
+            published => inline(&item.published)?,
+            ours => inline(&item.ours)?,
+            deviation => inline(&item.deviation)?,
+            class, symbol, word,
+        })
+    })?;
     let figures: Vec<String> = claim
         .figures
         .iter()
@@ -120,6 +134,7 @@ fn claim_view(claim: &ClaimRow, document: &Document, lookup: &Lookup<'_>) -> Res
         quote => &claim.quote,
         published => inline(&claim.published)?,
         ours => inline(&claim.ours)?,
+        comparisons,
         deviation => optional(&claim.deviation)?,
         tolerance => inline(&claim.tolerance)?,
         reason => inline(&claim.reason)?,

@@ -16,10 +16,12 @@
 //! the author of the text (names in metadata, file names, messages) goes through [`literal`] first.
 
 mod reader;
+mod typeset;
 
 use serde::{Deserialize, Serialize};
 
 pub(crate) use reader::Lookup;
+pub use typeset::{typeset, typeset_prose};
 
 /// A text with the mark-up described in this module.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use report::{ClaimRow, Deviation, Prose, Verdict, literal};
+use report::{ClaimRow, Comparison, Deviation, Prose, Verdict, typeset, typeset_prose};
 
 use crate::claims::Claim;
 use crate::judge::{Check, flips_at};
@@ -18,16 +18,17 @@ pub(super) fn row(
 ) -> ClaimRow {
     let mut row = ClaimRow::new(
         &claim.id,
-        literal(&claim.text),
+        typeset(&claim.text),
         judged.verdict,
         judged.evidence,
     );
     row.locator.clone_from(&claim.locator);
     row.published = published(claim, judged).into();
-    row.ours = literal(&ours(&judged.checks)).into();
-    row.deviation = deviation(&judged.checks).map(|text| literal(&text).into());
-    row.tolerance = literal(&claim.tolerance_text).into();
-    row.reason = literal(&claim.reason).into();
+    row.ours = typeset(&ours(&judged.checks)).into();
+    row.comparisons = comparisons(&judged.checks);
+    row.deviation = deviation(&judged.checks).map(|text| typeset(&text).into());
+    row.tolerance = typeset(&claim.tolerance_text).into();
+    row.reason = typeset(&claim.reason).into();
     row.flips_at = flips_at(&judged.checks).map(|factor| flip_words(factor).into());
     row.account = told(&claim.account, known);
     row.values = judged
@@ -57,14 +58,57 @@ fn published(claim: &Claim, judged: &Judged) -> String {
         .filter(printed)
         .map(|check| format!("{}: {}", check.label, interval(check.allowed, &check.unit)))
         .collect();
-    if claim.published.is_empty() || intervals.is_empty() {
-        return literal(&claim.published_text);
+    // Several numbers stand in a table of their own.
+    if claim.published.is_empty() || intervals.is_empty() || judged.checks.len() > 1 {
+        return typeset(&claim.published_text);
     }
-    literal(&format!(
+    typeset(&format!(
         "{}. As intervals: {}",
         claim.published_text,
         intervals.join("; ")
     ))
+}
+
+/// Number by number, where a claim has several.
+fn comparisons(checks: &[Check]) -> Vec<Comparison> {
+    if checks.len() < 2 {
+        return Vec::new();
+    }
+    checks
+        .iter()
+        .map(|check| Comparison {
+            label: typeset(&check.label).into(),
+            published: typeset(&allowed(check)).into(),
+            ours: typeset(&check.ours.map_or_else(
+                || "not computed".to_owned(),
+                |ours| interval(ours, &check.unit),
+            ))
+            .into(),
+            deviation: check
+                .gap()
+                .filter(|gap| *gap > 0.0)
+                .map(significant)
+                .unwrap_or_default()
+                .into(),
+            agrees: check.agrees(),
+        })
+        .collect()
+}
+
+/// The interval of the paper; an open one as a bound.
+fn allowed(check: &Check) -> String {
+    let unit = if check.unit == "1" {
+        String::new()
+    } else {
+        format!(" {}", check.unit)
+    };
+    let (lower, upper) = (check.allowed.lower, check.allowed.upper);
+    match (lower.is_finite(), upper.is_finite()) {
+        (true, true) => interval(check.allowed, &check.unit),
+        (true, false) => format!("at least {}{unit}", significant(lower)),
+        (false, true) => format!("at most {}{unit}", significant(upper)),
+        (false, false) => "anything".to_owned(),
+    }
 }
 
 /// How far outside each failing check lies.
@@ -108,7 +152,7 @@ pub(super) fn deviations(claims: &[(Claim, Judged)], known: &BTreeSet<&str>) -> 
                 claim: claim.id.clone(),
                 cause: claim.cause?,
                 account: told(claim.deviation.as_deref()?, known),
-                settles: literal(claim.settles.as_deref()?).into(),
+                settles: typeset(claim.settles.as_deref()?).into(),
             })
         })
         .collect()
@@ -122,7 +166,7 @@ fn told(text: &str, known: &BTreeSet<&str>) -> Prose {
         .filter_map(|rest| rest.split_once('"').map(|(id, _)| id));
     let missing: Vec<&str> = named.filter(|id| !known.contains(id)).collect();
     if missing.is_empty() {
-        text.into()
+        typeset_prose(text).into()
     } else {
         "The values that this text shows were not computed in this run.".into()
     }

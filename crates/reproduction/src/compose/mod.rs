@@ -86,6 +86,7 @@ fn lead(results: &Results, around: &Surroundings) -> String {
         .filter(|(_, kind)| *kind == "synthetic")
         .count();
     let data = match (synthetic, around.campaigns.len()) {
+        (0, 0) => "No campaign was read.".to_owned(),
         (0, _) => "All campaigns are measured.".to_owned(),
         (all, count) if all == count => {
             "The paper publishes no measurement: every campaign is a synthetic stand-in, so claims about measurements are at best consistent.".to_owned()
@@ -151,7 +152,7 @@ fn header(results: &Results, around: &Surroundings) -> Header {
                 kind: kind(path).into(),
             })
             .collect(),
-        facts: vec![("threads".into(), "any number gives the same bytes".into())],
+        facts: facts(results, around),
         stages: results
             .stages
             .iter()
@@ -159,6 +160,41 @@ fn header(results: &Results, around: &Surroundings) -> Header {
             .collect(),
         repository: None,
     }
+}
+
+/// What a reader wants to know at first sight besides the verdicts.
+fn facts(results: &Results, around: &Surroundings) -> Vec<(String, String)> {
+    let passed = around
+        .controls
+        .iter()
+        .filter(|control| control.passed())
+        .count();
+    let sums = audit(results);
+    let holds = sums
+        .iter()
+        .filter(|item| item.outcome == report::AuditOutcome::Holds)
+        .count();
+    let done = results
+        .stages
+        .iter()
+        .filter(|stage| stage.status() == "done")
+        .count();
+    vec![
+        (
+            "Stages done".into(),
+            format!("{done} of {}", results.stages.len()),
+        ),
+        ("Values".into(), results.values.len().to_string()),
+        (
+            "Printed sums that hold".into(),
+            format!("{holds} of {}", sums.len()),
+        ),
+        (
+            "Negative controls as expected".into(),
+            format!("{passed} of {}", around.controls.len()),
+        ),
+        ("Threads".into(), "any number, same bytes".into()),
+    ]
 }
 
 /// The sums of the audit, as its stage left them.
