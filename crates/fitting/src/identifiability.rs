@@ -65,6 +65,12 @@ pub fn identifiability(jacobian: &DMatrix<f64>, scales: &[f64]) -> Identifiabili
     for (mut column, scale) in scaled.column_iter_mut().zip(scales) {
         column *= *scale;
     }
+    // A sensitivity that is no number says nothing: it counts as none.
+    scaled.apply(|x| {
+        if !x.is_finite() {
+            *x = 0.0;
+        }
+    });
     let r = reduce(scaled, &DVector::zeros(jacobian.nrows())).r;
     // A wide or square-short system still has n right singular vectors: pad R with rows of zeros.
     let padded = r.clone().resize(n.max(r.nrows()), n, 0.0);

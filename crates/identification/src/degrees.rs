@@ -16,7 +16,7 @@
 
 use fitting::criteria::t_quantile;
 use fitting::noise::{Context, NoiseModel, Whitener};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::intervals::LEVEL;
@@ -72,6 +72,50 @@ pub(crate) fn drivers(
         })
         .collect();
     Some(drivers)
+}
+
+/// The same for a law that misses the record: its residual is structure, not noise, and counts for as many independent
+/// pieces as its autocorrelation leaves. The quantile is Student's with one degree a run less one, widened by
+/// sqrt(1 + 2 sum of autocorrelations).
+pub(crate) fn plain_drivers(
+    context: &Context,
+    residual: &DVector<f64>,
+    whitened: &DMatrix<f64>,
+    movable: &[usize],
+) -> Option<Vec<(Drivers, f64)>> {
+    let covariance = fitting::covariance_of(&whitened.select_columns(movable))?;
+    let degrees = (context.runs.len() as f64 - 1.0).max(1.0);
+    let quantile = t_quantile(LEVEL, degrees) * correlation_time(context, residual).sqrt();
+    let driver = Drivers {
+        gain_share: 0.0,
+        quantile,
+        degrees,
+    };
+    Some(
+        (0..movable.len())
+            .map(|j| (driver, covariance[(j, j)].sqrt()))
+            .collect(),
+    )
+}
+
+/// 1 + 2 sum of the autocorrelations of a residual within runs, up to the first that is not positive, in samples.
+fn correlation_time(context: &Context, residual: &DVector<f64>) -> f64 {
+    let power = residual.norm_squared();
+    let longest = context.runs.iter().map(|run| run.len()).max().unwrap_or(0);
+    let mut time = 1.0;
+    for lag in 1..longest {
+        let product: f64 = context
+            .runs
+            .iter()
+            .flat_map(|run| run.clone().skip(lag).map(move |i| (i, i - lag)))
+            .map(|(i, k)| residual[i] * residual[k])
+            .sum();
+        if product <= 0.0 {
+            break;
+        }
+        time += 2.0 * product / power;
+    }
+    time
 }
 
 /// q with P(|error| <= q) = 95 % for a mixture of normals given as (weight, standard deviation).

@@ -3,9 +3,13 @@
 //! First every start is fitted with plain weights and the distinct minima are kept. Then noise and parameters are
 //! estimated in turn: the noise from the residuals of the last fit (restricted likelihood), the parameters by least
 //! squares whitened with that noise, until neither moves.
+//!
+//! A law that misses the record by far more than repeats scatter leaves no residual from which a noise could be told:
+//! the noise would swallow the law, and weights made from it would trade levels for details. Such a law is fitted with
+//! plain weights, and its answer says so ([`Weighting::Plain`]).
 
-use fitting::noise::{EstimateOptions, NoiseModel, Whitener, estimate};
-use fitting::{Bounds, Fit, Options, Status, minimise, multi_start};
+use fitting::noise::{EstimateOptions, NoiseModel, ScatterEvidence, Sizes, Whitener, estimate};
+use fitting::{Bounds, Fit, Options, Residuals, Status, minimise, multi_start};
 use nalgebra::DMatrix;
 use rig::{Experiment, Model};
 
@@ -39,8 +43,23 @@ impl Work {
     }
 }
 
+/// What weighs the residuals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Weighting {
+    /// The noise estimated from the record.
+    Noise,
+    /// All samples alike, because the law misses the record by more than its noise.
+    Plain,
+}
+
+/// A fit whose residual exceeds the scatter of the repeats by this factor misses the record: a right law stays near one.
+const GROSS: f64 = 3.0;
+/// Weights under which the plain sum of squares grows by this factor have traded the record for the noise.
+const TRADED: f64 = 2.0;
+
 /// A fit with the noise under which it is one.
 pub(crate) struct Fitted {
+    pub(crate) weighting: Weighting,
     pub(crate) fit: Fit,
     pub(crate) predicted: Vec<f64>,
     /// dF/dp at the fit, all parameters, not whitened.
@@ -57,7 +76,9 @@ pub(crate) struct Task<'a> {
     pub(crate) bounds: &'a Bounds,
     pub(crate) noise_options: EstimateOptions,
     /// Sizes that are held instead of estimated.
-    pub(crate) noise: Option<fitting::noise::Sizes>,
+    pub(crate) noise: Option<Sizes>,
+    /// Scatter within repeats, in the unit of y.
+    pub(crate) floor: Option<f64>,
 }
 
 /// Rounds of noise and parameters in turn. The noise depends on the parameters only through residuals that barely move
@@ -99,26 +120,72 @@ impl Task<'_> {
         if many.best.status == Status::NonFiniteStart {
             return Err(IdentificationError::NoStart(many.best.status.to_string()));
         }
-        let mut candidates = distinct_minima(&many.fits, &many.best);
-        let mut best = many.best;
+        let candidates = distinct_minima(&many.fits, &many.best);
+        let plain = self.best_of(&candidates, None, &mut work)?;
+        let forces = self.model.predict(self.experiment, &plain.parameters);
+        let missed = self.floor.is_some_and(|floor| {
+            crate::quality::sizes(self.experiment, &forces).0 > GROSS * floor
+        });
+        if missed && self.noise.is_none() {
+            return self.finish(plain, Weighting::Plain, None, work);
+        }
+        let mut best = plain.clone();
         let mut noise: Option<NoiseModel> = None;
         for _ in 0..ROUNDS {
             let (model, whitener) = self.noise_at(&best.parameters, noise.as_ref(), &mut work);
-            let options = Options {
-                reduction_tolerance: 1e-8,
-                initial_damping: 1e-4,
-                iteration_limit: 100,
-                ..Options::default()
-            };
-            let problem = self.problem(Some(&whitener));
-            let again = multi_start(&problem, &candidates, self.bounds, &options)
-                .map_err(|error| IdentificationError::NoStart(error.to_string()))?;
-            again.fits.iter().for_each(|fit| work.add(fit));
-            best = again.best;
-            candidates = vec![best.parameters.clone()];
+            let from = if noise.is_none() { candidates.clone() } else { vec![best.parameters.clone()] };
+            best = self.best_of(&from, Some(&whitener), &mut work)?;
             noise = Some(model);
         }
-        self.finish(best, noise, work)
+        let traded = self.problem(None).residuals(&best.parameters).norm_squared();
+        if !best.status.converged() || !(traded <= TRADED * 2.0 * plain.cost) {
+            return self.finish(plain, Weighting::Plain, None, work);
+        }
+        self.finish(best, Weighting::Noise, noise, work)
+    }
+
+    /// Best fit from several places under given weights.
+    fn best_of(
+        &self,
+        from: &[Vec<f64>],
+        whitener: Option<&Whitener>,
+        work: &mut Work,
+    ) -> Result<Fit, IdentificationError> {
+        let options = Options {
+            reduction_tolerance: 1e-8,
+            initial_damping: 1e-4,
+            iteration_limit: 100,
+            ..Options::default()
+        };
+        let many = multi_start(&self.problem(whitener), from, self.bounds, &options)
+            .map_err(|error| IdentificationError::NoStart(error.to_string()))?;
+        many.fits.iter().for_each(|fit| work.add(fit));
+        Ok(many.best)
+    }
+
+    /// White noise of the size of the residual: what plain weights stand for.
+    fn plain_noise(&self, forces: &[f64]) -> NoiseModel {
+        let residual = self.problem(None).difference(forces.to_vec());
+        let free = residual.len() - self.bounds.movable().len();
+        NoiseModel {
+            sizes: Sizes {
+                sensor: (residual.norm_squared() / free as f64).sqrt(),
+                private: 0.0,
+                plate: 0.0,
+                length: self.experiment.scales.travel_m,
+                scatter: 0.0,
+            },
+            log_sd: Vec::new(),
+            scatter: ScatterEvidence {
+                lambda: Vec::new(),
+                score: Vec::new(),
+            },
+            plate_separable: false,
+            repeats: self.noise_options.repeats,
+            converged: true,
+            evaluations: 0,
+            deviance: f64::NAN,
+        }
     }
 
     fn noise_at(
@@ -157,14 +224,14 @@ impl Task<'_> {
     fn finish(
         &self,
         fit: Fit,
+        weighting: Weighting,
         noise: Option<NoiseModel>,
         mut work: Work,
     ) -> Result<Fitted, IdentificationError> {
-        let noise =
-            noise.ok_or_else(|| IdentificationError::NoStart("no round of noise".into()))?;
         // One covariance for residuals, intervals and criteria: that of the final forces, with the minimum taken again
         // under it (it moves by far less than its own uncertainty).
         let forces = self.model.predict(self.experiment, &fit.parameters);
+        let noise = noise.unwrap_or_else(|| self.plain_noise(&forces));
         let whitener = Whitener::new(&noise_context(self.experiment, &forces), &noise.sizes);
         let options = Options {
             reduction_tolerance: 1e-12,
@@ -179,6 +246,7 @@ impl Task<'_> {
             self.model
                 .predict_with_jacobian(self.experiment, &fit.parameters, None);
         Ok(Fitted {
+            weighting,
             fit,
             predicted,
             jacobian,

@@ -8,9 +8,9 @@ use friction::{CosinePlacement, LawKind, ParameterSpec};
 use nalgebra::DMatrix;
 use rig::{Experiment, Model};
 
-use crate::degrees::{Drivers, drivers};
+use crate::degrees::{Drivers, drivers, plain_drivers};
 use crate::features::{Features, features};
-use crate::fit::{Fitted, Task, Work};
+use crate::fit::{Fitted, Task, Weighting, Work};
 use crate::intervals::{Interval, LEVEL, profiles};
 use crate::problem::{Problem, noise_context};
 use crate::quality::{Quality, lack_of_fit, repeat_floor, sizes};
@@ -64,6 +64,8 @@ pub struct Identification {
     pub identifiability: Identifiability,
     /// Names of the columns of [`Identification::identifiability`].
     pub analysed: Vec<String>,
+    /// What weighed the residuals.
+    pub weighting: Weighting,
     /// How good the fit is.
     pub quality: Quality,
     /// Log-likelihood of the record under parameters and noise.
@@ -233,6 +235,7 @@ pub fn identify_prepared(
         bounds: &bounds,
         noise_options: noise_options(campaign),
         noise: question.noise,
+        floor: repeat_floor(campaign),
     };
     let first = first_of_each(campaign, &model, question.placement)?;
     let fitted = task.run(&starts, first.as_ref().map(|(e, m)| (e, m)))?;
@@ -299,13 +302,16 @@ fn report(
     let context = noise_context(experiment, &fitted.predicted);
     let (_, whitened) = problem.jacobian(&fitted.fit.parameters);
     let movable = bounds.movable();
-    let driven = drivers(
-        &context,
-        &fitted.whitener,
-        &fitted.noise,
-        &whitened,
-        &movable,
-    );
+    let driven = match fitted.weighting {
+        Weighting::Noise => drivers(
+            &context,
+            &fitted.whitener,
+            &fitted.noise,
+            &whitened,
+            &movable,
+        ),
+        Weighting::Plain => plain_drivers(&context, &fitted.fit.residuals, &whitened, &movable),
+    };
     // Of parameter j: its drivers, and the step with which its profile begins where the fit gives none.
     let driver_of = |j: usize| {
         let k = movable.iter().position(|&m| m == j)?;
@@ -366,7 +372,8 @@ fn report(
         .collect();
     let (rmse, rms) = sizes(experiment, &fitted.predicted);
     let residual = problem.difference(fitted.predicted.clone());
-    let lack = question.test_fit.then(|| {
+    let testable = question.test_fit && fitted.weighting == Weighting::Noise;
+    let lack = testable.then(|| {
         lack_of_fit(
             experiment,
             &context,
@@ -397,6 +404,7 @@ fn report(
         status: fitted.fit.status,
         noise: fitted.noise,
         identifiability: found,
+        weighting: fitted.weighting,
         analysed: analysed
             .iter()
             .map(|&j| specs[j].name.to_string())

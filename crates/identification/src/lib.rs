@@ -28,7 +28,7 @@ pub use compare_laws::{LawFit, compare_laws};
 pub use coverage::{Coverage, ParameterCoverage, Truth, coverage};
 pub use degrees::Drivers;
 pub use features::{Features, features};
-pub use fit::Work;
+pub use fit::{Weighting, Work};
 pub use held_out::{HeldOut, folds, held_out};
 pub use identify::{Estimate, Identification, identify, identify_prepared};
 pub use intervals::{Interval, LEVEL};
