@@ -123,9 +123,9 @@ impl Task<'_> {
         let candidates = distinct_minima(&many.fits, &many.best);
         let plain = self.best_of(&candidates, None, &mut work)?;
         let forces = self.model.predict(self.experiment, &plain.parameters);
-        let missed = self.floor.is_some_and(|floor| {
-            crate::quality::sizes(self.experiment, &forces).0 > GROSS * floor
-        });
+        let missed = self
+            .floor
+            .is_some_and(|floor| crate::quality::sizes(self.experiment, &forces).0 > GROSS * floor);
         if missed && self.noise.is_none() {
             return self.finish(plain, Weighting::Plain, None, work);
         }
@@ -133,11 +133,18 @@ impl Task<'_> {
         let mut noise: Option<NoiseModel> = None;
         for _ in 0..ROUNDS {
             let (model, whitener) = self.noise_at(&best.parameters, noise.as_ref(), &mut work);
-            let from = if noise.is_none() { candidates.clone() } else { vec![best.parameters.clone()] };
+            let from = if noise.is_none() {
+                candidates.clone()
+            } else {
+                vec![best.parameters.clone()]
+            };
             best = self.best_of(&from, Some(&whitener), &mut work)?;
             noise = Some(model);
         }
-        let traded = self.problem(None).residuals(&best.parameters).norm_squared();
+        let traded = self
+            .problem(None)
+            .residuals(&best.parameters)
+            .norm_squared();
         if !best.status.converged() || !(traded <= TRADED * 2.0 * plain.cost) {
             return self.finish(plain, Weighting::Plain, None, work);
         }

@@ -73,6 +73,9 @@ fn word(campaign: &Campaign, found: &Identification, laws: &[LawFit]) -> Vec<Str
         Some(floor) => word.push(format!("Repeats scatter by {} {unit}.", significant(floor))),
         None => word.push("There are no repeats, so what the law leaves cannot be told from what would not repeat.".to_owned()),
     }
+    if found.weighting == identification::Weighting::Plain {
+        word.push("The law misses the record by far more than its noise: its parameters are those of plain least squares, its intervals widened by the correlation of what is left.".to_owned());
+    }
     if let Some(test) = &quality.lack_of_fit {
         word.push(if test.rejects() {
             format!("The law does not say everything: structure is left in the residual (p = {:.1e}). Its intervals are then too narrow; `diagnose` says where it sits.", test.p_value)

@@ -1,5 +1,6 @@
 //! The command line.
 
+mod bench;
 mod claim;
 mod diagnose;
 mod files;
@@ -188,6 +189,12 @@ struct CheckArguments {
 struct BenchArguments {
     /// One benchmark; all without a name.
     name: Option<String>,
+    /// Simulated campaigns of `coverage`.
+    #[arg(long, default_value_t = 2000)]
+    count: usize,
+    /// Seed of `coverage`.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
 }
 
 /// Parses the command line, runs the command, and says how it ended.
@@ -210,7 +217,7 @@ pub fn main() -> ExitCode {
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
-        Command::Bench(_) => Err(Failure::Output("there are no benchmarks yet".into())),
+        Command::Bench(arguments) => bench::run(&arguments),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
