@@ -15,7 +15,7 @@
 //! II, VI.1). Units: m, m/s, N, kg. Errors: steps keep the error estimate of z, q and the tension below 1e-6 of their size; between
 //! stages the collocation polynomial is read.
 
-use friction::radau::{A, C, E, GAMMA, collocation_weights};
+use friction::radau::{A, A_INVERSE, C, E, GAMMA, collocation_weights};
 use friction::{Drive, Evaluation, IntegrationError, Law, Record, Scalar};
 
 use crate::chain::drive_at;
@@ -155,7 +155,28 @@ impl Instant<f64> {
     }
 }
 
-/// Residuals of a step of size h from y0 with stages (z, q, u), and the stages' instants.
+/// Slopes of a series at the stages from its values there: h s_i = sum_j A_INVERSE_ij (x_j - x_0).
+fn stage_slopes<D: Scalar>(h: f64, from: D, at: &[D; 3]) -> [D; 3] {
+    let moved = at.map(|x| x - from);
+    std::array::from_fn(|i| {
+        let row = &A_INVERSE[i];
+        (moved[0] * row[0] + moved[1] * row[1] + moved[2] * row[2]) / h
+    })
+}
+
+/// Speeds of the specimen at the stages: u = C q', so that only z and q are unknown.
+fn with_speeds<D: Scalar>(
+    compliance: D,
+    h: f64,
+    y0: &State<D>,
+    z: &[D; 3],
+    q: &[D; 3],
+) -> [State<D>; 3] {
+    let slopes = stage_slopes(h, y0[1], q);
+    std::array::from_fn(|i| [z[i], q[i], compliance * slopes[i]])
+}
+
+/// Residuals of a step of size h from y0, three of z' = f and three of the balance of forces, and the stages' instants.
 fn residual<D: Scalar>(
     law: &Law<D>,
     coupling: &Coupling<D>,
@@ -164,32 +185,56 @@ fn residual<D: Scalar>(
     h: f64,
     y0: &State<D>,
     stages: &[State<D>; 3],
-) -> ([D; 9], [Instant<D>; 3]) {
+) -> ([D; 6], [Instant<D>; 3]) {
     let instants: [Instant<D>; 3] =
         std::array::from_fn(|i| Instant::at(law, stretch, t + C[i] * h, &stages[i]));
-    let rates: [State<D>; 3] = std::array::from_fn(|i| instants[i].rhs(&stages[i], coupling));
-    let mut out = [D::constant(0.0); 9];
+    let accelerations = stage_slopes(h, y0[2], &[stages[0][2], stages[1][2], stages[2][2]]);
+    let mut out = [D::constant(0.0); 6];
     for i in 0..3 {
-        for k in 0..3 {
-            let sum = rates[0][k] * A[i][0] + rates[1][k] * A[i][1] + rates[2][k] * A[i][2];
-            let change = stages[i][k] - y0[k];
-            let moved = match k {
-                0 => change,
-                1 => coupling.compliance * change,
-                _ => coupling.mass * change,
-            };
-            out[3 * i + k] = moved - sum * h;
-        }
+        // z_i - z_0 - h sum_j A_ij f_j
+        let sum = instants[0].law.rate * A[i][0]
+            + instants[1].law.rate * A[i][1]
+            + instants[2].law.rate * A[i][2];
+        out[i] = stages[i][0] - y0[0] - sum * h;
+        // q + d u + m u' - P
+        let friction = instants[i].weight * instants[i].law.coefficient;
+        out[3 + i] =
+            stages[i][1] + coupling.damping * stages[i][2] + coupling.mass * accelerations[i]
+                - friction;
     }
     (out, instants)
+}
+
+/// Derivatives of the residuals in (z_1, z_2, z_3, q_1, q_2, q_3).
+fn newton_matrix(coupling: &Coupling<f64>, h: f64, instants: &[Instant<f64>; 3]) -> [[f64; 6]; 6] {
+    let slopes: [[[f64; 3]; 3]; 3] = std::array::from_fn(|j| instants[j].jacobian(coupling));
+    // du_j/dq_k = C/h A_INVERSE_jk, du'_i/dq_k = C/h^2 (A_INVERSE^2)_ik
+    let speed = coupling.compliance / h;
+    let swing = coupling.mass * speed / h;
+    let mut matrix = [[0.0; 6]; 6];
+    for i in 0..3 {
+        for k in 0..3 {
+            let same = f64::from(u8::from(i == k));
+            matrix[i][k] = same - h * A[i][k] * slopes[k][0][0];
+            let (mut through, mut twice) = (0.0, 0.0);
+            for j in 0..3 {
+                through += A[i][j] * slopes[j][0][2] * A_INVERSE[j][k];
+                twice += A_INVERSE[i][j] * A_INVERSE[j][k];
+            }
+            matrix[i][3 + k] = -h * speed * through;
+            matrix[3 + i][k] = -same * slopes[i][2][0];
+            matrix[3 + i][3 + k] = same - slopes[i][2][2] * speed * A_INVERSE[i][k] + swing * twice;
+        }
+    }
+    matrix
 }
 
 struct Solver<'a, D> {
     held: &'a Corded<'a, D>,
     law: Law<f64>,
     coupling: Coupling<f64>,
-    /// Sizes of z, q, u against which errors count.
-    size: [f64; 3],
+    /// Sizes of z and q against which errors count.
+    size: [f64; 2],
     step: f64,
     /// Last step: its size and its stages, for the predictor.
     previous: Option<(f64, State<f64>, [State<f64>; 3])>,
@@ -201,10 +246,6 @@ pub(crate) fn tension<D: Scalar>(held: &Corded<'_, D>) -> Result<Vec<D>, Integra
     let law = held.law.real();
     let level = law.curve.kinetic.abs().max(law.curve.at_rest.abs());
     let load = held.load_n.iter().fold(0.0_f64, |a, n| a.max(n.abs()));
-    let speed = record
-        .velocity
-        .iter()
-        .fold(0.0_f64, |a, v| a.max(v.value().abs()));
     let friction = load * level * if law.is_dynamic() { law.stiffness } else { 1.0 };
     let mut solver = Solver {
         held,
@@ -213,7 +254,6 @@ pub(crate) fn tension<D: Scalar>(held: &Corded<'_, D>) -> Result<Vec<D>, Integra
         size: [
             if law.is_dynamic() { level } else { 1.0 },
             friction.max(1e-300),
-            speed.max(1e-300),
         ],
         step: f64::INFINITY,
         previous: None,
@@ -297,7 +337,7 @@ impl<D: Scalar> Solver<'_, D> {
         stretch: &Stretch<f64>,
         t: f64,
         y: &State<f64>,
-    ) -> Result<(f64, [State<f64>; 3], Factorised<9>), IntegrationError> {
+    ) -> Result<(f64, [State<f64>; 3], Factorised<6>), IntegrationError> {
         let smallest = SMALLEST * (stretch.t1 - stretch.t0);
         let now = Instant::at(&self.law, stretch, t, y);
         let (rates, slopes) = (now.rhs(y, &self.coupling), now.jacobian(&self.coupling));
@@ -381,7 +421,7 @@ impl<D: Scalar> Solver<'_, D> {
         t: f64,
         h: f64,
         y: &State<f64>,
-    ) -> Option<([State<f64>; 3], Factorised<9>)> {
+    ) -> Option<([State<f64>; 3], Factorised<6>)> {
         self.iterate(stretch, t, h, y, self.predict(h, y))
             .or_else(|| self.iterate(stretch, t, h, y, [*y; 3]))
     }
@@ -392,38 +432,29 @@ impl<D: Scalar> Solver<'_, D> {
         t: f64,
         h: f64,
         y: &State<f64>,
-        mut stages: [State<f64>; 3],
-    ) -> Option<([State<f64>; 3], Factorised<9>)> {
-        let mass = [1.0, self.coupling.compliance, self.coupling.mass];
+        stages: [State<f64>; 3],
+    ) -> Option<([State<f64>; 3], Factorised<6>)> {
+        let compliance = self.coupling.compliance;
+        let pick = |stages: &[State<f64>; 3], k: usize| [stages[0][k], stages[1][k], stages[2][k]];
+        let (mut z, mut q) = (pick(&stages, 0), pick(&stages, 1));
         for _ in 0..NEWTON_LIMIT {
+            let stages = with_speeds(compliance, h, y, &z, &q);
             let (r, instants) = residual(&self.law, &self.coupling, stretch, t, h, y, &stages);
-            let slopes: [[[f64; 3]; 3]; 3] =
-                std::array::from_fn(|j| instants[j].jacobian(&self.coupling));
-            let mut matrix = [[0.0; 9]; 9];
-            for i in 0..3 {
-                for k in 0..3 {
-                    for j in 0..3 {
-                        for l in 0..3 {
-                            matrix[3 * i + k][3 * j + l] = -h * A[i][j] * slopes[j][k][l];
-                        }
-                    }
-                    matrix[3 * i + k][3 * i + k] += mass[k];
-                }
-            }
-            let factorised = Factorised::new(matrix)?;
+            let factorised = Factorised::new(newton_matrix(&self.coupling, h, &instants))?;
             let change = factorised.solve(&r);
             let mut largest: f64 = 0.0;
             for i in 0..3 {
-                for k in 0..3 {
-                    stages[i][k] -= change[3 * i + k];
-                    largest = largest.max((change[3 * i + k] / self.size[k]).abs());
-                }
+                z[i] -= change[i];
+                q[i] -= change[3 + i];
+                largest = largest
+                    .max((change[i] / self.size[0]).abs())
+                    .max((change[3 + i] / self.size[1]).abs());
             }
             if !largest.is_finite() || largest > 1e6 {
                 return None;
             }
             if largest <= NEWTON_TOLERANCE {
-                return Some((stages, factorised));
+                return Some((with_speeds(compliance, h, y, &z, &q), factorised));
             }
         }
         None
@@ -437,12 +468,17 @@ impl<D: Scalar> Solver<'_, D> {
         h: f64,
         y: &State<D>,
         stages: &[State<f64>; 3],
-        factorised: &Factorised<9>,
+        factorised: &Factorised<6>,
     ) -> [State<D>; 3] {
-        let mut lifted = stages.map(|s| s.map(D::constant));
         if D::NDERIV == 0 {
-            return lifted;
+            return stages.map(|s| s.map(D::constant));
         }
+        let compliance = self.held.coupling.compliance;
+        let (mut z, mut q) = (
+            stages.map(|s| D::constant(s[0])),
+            stages.map(|s| D::constant(s[1])),
+        );
+        let lifted = with_speeds(compliance, h, y, &z, &q);
         let (r, _) = residual(
             self.held.law,
             &self.held.coupling,
@@ -454,11 +490,9 @@ impl<D: Scalar> Solver<'_, D> {
         );
         let change = factorised.solve(&r);
         for i in 0..3 {
-            for k in 0..3 {
-                let step = change[3 * i + k];
-                lifted[i][k] -= step - step.value();
-            }
+            z[i] -= change[i] - change[i].value();
+            q[i] -= change[3 + i] - change[3 + i].value();
         }
-        lifted
+        with_speeds(compliance, h, y, &z, &q)
     }
 }

@@ -240,6 +240,7 @@ pub trait Cause: Hooks {
     ///
     /// # Errors
     /// A name that is missing.
+    #[allow(clippy::wrong_self_convention)]
     fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
         self.parameters()
             .iter()

@@ -29,8 +29,7 @@ impl<const N: usize> Factorised<N> {
                     pivot = i;
                 }
             }
-            // a pivot that is not a number fails this test too
-            if !(m[pivot][k].abs() >= 1e-280) {
+            if m[pivot][k].is_nan() || m[pivot][k].abs() < 1e-280 {
                 return None;
             }
             m.swap(k, pivot);
@@ -60,14 +59,14 @@ impl<const N: usize> Factorised<N> {
         for i in 0..N {
             for j in 0..i {
                 if self.lu[i][j] != 0.0 {
-                    x[i] = x[i] - x[j] * self.lu[i][j];
+                    x[i] -= x[j] * self.lu[i][j];
                 }
             }
         }
         for i in (0..N).rev() {
             for j in i + 1..N {
                 if self.lu[i][j] != 0.0 {
-                    x[i] = x[i] - x[j] * self.lu[i][j];
+                    x[i] -= x[j] * self.lu[i][j];
                 }
             }
             x[i] /= self.lu[i][i];

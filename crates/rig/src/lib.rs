@@ -24,6 +24,8 @@ pub use cord::Coupling;
 pub use effect::{Cause, ChainScalar, Hook, Hooks, Place, Reach, Reported, Requirement};
 pub use experiment::{Experiment, ExperimentError, GRAVITY_M_S2, RunMotion};
 pub use model::{Model, ModelError};
-pub use model_file::{ExtensionEntry, ModelFile, ModelFileError, ParameterEntry, SCHEMA};
+pub use model_file::{
+    Extension, ExtensionEntry, ModelFile, ModelFileError, ParameterEntry, SCHEMA,
+};
 pub use scales::Scales;
 pub use station::Station;

@@ -9,6 +9,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::Cause;
 
+/// A cause with its fitted parameters.
+pub type Extension = (Box<dyn Cause>, Vec<f64>);
+
 /// What stands under `schema`.
 pub const SCHEMA: &str = "bristle/model/1";
 
@@ -252,15 +255,13 @@ impl ModelFile {
     /// # Errors
     /// A cause that the catalogue does not have (the nearest ids are for the caller to suggest), one that cannot act on
     /// the law, one that stands twice, parameters that are missing, unknown, not finite or out of bounds.
-    pub fn extension_from(
-        &self,
-        catalogue: &[Box<dyn Cause>],
-    ) -> Result<Vec<(Box<dyn Cause>, Vec<f64>)>, String> {
+    pub fn extension_from(&self, catalogue: &[Box<dyn Cause>]) -> Result<Vec<Extension>, String> {
         let law = self.law_kind()?;
-        let mut found: Vec<(Box<dyn Cause>, Vec<f64>)> = Vec::new();
+        let mut found: Vec<Extension> = Vec::new();
         for entry in &self.extension {
-            let forms: Vec<&Box<dyn Cause>> = catalogue
+            let forms: Vec<&dyn Cause> = catalogue
                 .iter()
+                .map(AsRef::as_ref)
                 .filter(|cause| cause.id() == entry.cause)
                 .collect();
             if forms.is_empty() {
@@ -369,12 +370,12 @@ impl ModelFile {
                 ));
             }
         }
-        if let Some([low, high]) = self.valid_speed_m_s {
-            if !(low.is_finite() && high.is_finite() && 0.0 <= low && low <= high) {
-                return Err(format!(
-                    "valid_speed_m_s [{low}, {high}] must be two finite speeds, the smaller first"
-                ));
-            }
+        if let Some([low, high]) = self.valid_speed_m_s
+            && !(low.is_finite() && high.is_finite() && 0.0 <= low && low <= high)
+        {
+            return Err(format!(
+                "valid_speed_m_s [{low}, {high}] must be two finite speeds, the smaller first"
+            ));
         }
         if let Some(covariance) = &self.covariance {
             validate_covariance(covariance, self.parameters.len())?;
@@ -411,9 +412,9 @@ fn validate_covariance(covariance: &[Vec<f64>], n: usize) -> Result<(), String> 
 
 /// The form of a cause whose parameters are exactly those that are given.
 fn pick_form<'a>(
-    forms: &[&'a Box<dyn Cause>],
+    forms: &[&'a dyn Cause],
     values: &BTreeMap<String, f64>,
-) -> Result<(&'a Box<dyn Cause>, Vec<f64>), String> {
+) -> Result<(&'a dyn Cause, Vec<f64>), String> {
     let mut reason = String::new();
     for cause in forms {
         match cause.from_reported(values) {
@@ -426,7 +427,7 @@ fn pick_form<'a>(
                     reason = format!("unknown parameter `{extra}`");
                     continue;
                 }
-                return Ok((cause, fitted));
+                return Ok((*cause, fitted));
             }
             Err(missing) => reason = format!("parameter `{missing}` is missing"),
         }
