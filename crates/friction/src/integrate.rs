@@ -130,8 +130,8 @@ struct Integrator<'a, D> {
     tolerance: f64,
     /// Step that the estimate last allowed, s.
     step: f64,
-    /// Upper bound on the step as a share of what the estimate allows (1, or less in tests of convergence).
-    refinement: f64,
+    /// Level of the state: the size against which errors count.
+    level: f64,
 }
 
 /// State z at every sample of the record, from z = `initial` at the first one.
@@ -143,15 +143,15 @@ pub fn integrate<D: Scalar>(
     record: &Record<'_, D>,
     initial: D,
 ) -> Result<Vec<D>, IntegrationError> {
-    integrate_refined(law, record, initial, 1.0)
+    integrate_within(law, record, initial, TOLERANCE)
 }
 
-/// As [`integrate`], with every step cut to `refinement` of what the estimate allows.
-pub(crate) fn integrate_refined<D: Scalar>(
+/// As [`integrate`], with another bound on the error estimate. The estimate is of order four in the step.
+fn integrate_within<D: Scalar>(
     law: &Law<D>,
     record: &Record<'_, D>,
     initial: D,
-    refinement: f64,
+    tolerance: f64,
 ) -> Result<Vec<D>, IntegrationError> {
     let n = record.time_s.len();
     let mut states = Vec::with_capacity(n);
@@ -164,9 +164,9 @@ pub(crate) fn integrate_refined<D: Scalar>(
     let mut integrator = Integrator {
         law,
         real,
-        tolerance: TOLERANCE * level,
+        tolerance: tolerance * level,
         step: f64::INFINITY,
-        refinement,
+        level,
     };
     states.push(initial);
     let mut z = initial;
@@ -298,7 +298,7 @@ impl<D: Scalar> Integrator<'_, D> {
     ) -> Result<(f64, [f64; 3], [[f64; 3]; 3], f64), IntegrationError> {
         let (_, slope) = self.real.rate_and_slope(node.z, &stretch.motion(t).drive);
         loop {
-            let allowed = (self.step * self.refinement).max(SMALLEST * span);
+            let allowed = self.step.max(SMALLEST * span);
             let h = if t + allowed * 1.000_001 >= to {
                 to - t
             } else {
@@ -311,10 +311,9 @@ impl<D: Scalar> Integrator<'_, D> {
                     let estimate =
                         ((h * GAMMA * node.rate + sum) / (1.0 - h * GAMMA * slope)).abs();
                     let factor = 0.9 * (self.tolerance / estimate.max(1e-300)).sqrt().sqrt();
-                    let whole = h / self.refinement;
                     if estimate <= self.tolerance || smallest {
-                        let cut_by_stretch = t + h >= to && whole < self.step;
-                        let next = whole * factor.clamp(0.2, 4.0);
+                        let cut_by_stretch = t + h >= to && h < self.step;
+                        let next = h * factor.clamp(0.2, 4.0);
                         self.step = if cut_by_stretch {
                             self.step.max(next)
                         } else {
@@ -322,10 +321,10 @@ impl<D: Scalar> Integrator<'_, D> {
                         };
                         return Ok((h, stages, inverse, end_slope));
                     }
-                    self.step = whole * factor.clamp(0.1, 0.9);
+                    self.step = h * factor.clamp(0.1, 0.9);
                 }
                 None if smallest => return Err(IntegrationError::Diverged { time_s: t0 + t }),
-                None => self.step = h / self.refinement * 0.25,
+                None => self.step = 0.25 * h,
             }
         }
     }
@@ -347,7 +346,7 @@ impl<D: Scalar> Integrator<'_, D> {
         } else {
             [node.z; 3]
         };
-        let scale = self.tolerance / TOLERANCE + node.z.abs();
+        let scale = self.level + node.z.abs();
         for _ in 0..NEWTON_LIMIT {
             let mut rates = [0.0; 3];
             let mut slopes = [0.0; 3];
@@ -444,7 +443,7 @@ mod tests {
     use crate::LawKind;
 
     #[test]
-    fn halving_every_step_changes_no_reported_digit() {
+    fn halving_the_steps_changes_no_reported_digit() {
         let time: Vec<f64> = (0..600).map(|i| f64::from(i) / 60.0).collect();
         for (lean, sign) in [(-0.3, 1.0), (-0.3, -1.0), (0.0, 1.0)] {
             let law = LawKind::AsymmetricBristle
@@ -459,7 +458,7 @@ mod tests {
                 knots: &[0, 599],
             };
             let whole = integrate(&law, &record, 0.0).expect("finite");
-            let halved = integrate_refined(&law, &record, 0.0, 0.5).expect("finite");
+            let halved = integrate_within(&law, &record, 0.0, TOLERANCE / 16.0).expect("finite");
             let change = whole
                 .iter()
                 .zip(&halved)
