@@ -14,6 +14,8 @@ const AIM: f64 = 10.0;
 const NEGLIGIBLE: f64 = 1e-8;
 /// First damping that is tried.
 const FIRST: f64 = 1e-3;
+/// Largest damping.
+const LARGEST: f64 = 1e2;
 
 /// The present damping δ ≥ 0.
 #[derive(Clone, Copy, Debug, Default)]
@@ -27,12 +29,12 @@ impl Damping {
 
     /// A step of `length` came from curvature `floor + δ`: the same pull is to move `AIM`.
     pub(crate) fn shorten(&mut self, length: f64, floor: f64) {
-        self.0 = (floor + self.0) * length / AIM;
+        self.0 = ((floor + self.0) * length / AIM).min(LARGEST);
     }
 
     /// The subproblem could not be resolved.
     pub(crate) fn stiffen(&mut self) {
-        self.0 = (10.0 * self.0).max(FIRST);
+        self.0 = (10.0 * self.0).clamp(FIRST, LARGEST);
     }
 
     /// A step of length `alpha` was accepted.
@@ -43,7 +45,7 @@ impl Damping {
                 self.0 = 0.0;
             }
         } else if alpha < 0.3 {
-            self.0 = (10.0 * self.0).max(FIRST);
+            self.0 = (10.0 * self.0).clamp(FIRST, LARGEST);
         }
     }
 }

@@ -23,6 +23,8 @@ pub struct Options {
     pub newton_steps: bool,
     /// Second-order correction of a rejected full step.
     pub second_order_correction: bool,
+    /// How many past points the merit function may be compared with; 0 asks every step to descend.
+    pub memory: usize,
     /// Largest penalty of the elastic subproblem.
     pub max_penalty: f64,
     /// Keep a record of every iteration.
@@ -33,14 +35,15 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             max_iterations: 300,
-            optimality: 1e-6,
-            feasibility: 1e-7,
+            optimality: 1e-4,
+            feasibility: 1e-6,
             certified: 1e-9,
             hessian: HessianModel::ExactClip,
             row_weight: 10.0,
             curvature_floor: 1e-7,
             newton_steps: true,
             second_order_correction: true,
+            memory: 2,
             max_penalty: 1e8,
             history: false,
         }

@@ -20,6 +20,9 @@ use crate::solution::{Counters, StepKind};
 use crate::{HessianModel, Options, Status};
 use clarabel::solver::SolverStatus;
 
+/// Share of the clipping that is tried first after a failure, at least and at most.
+const FIRST_GUESS: f64 = 0.05;
+const LAST_GUESS: f64 = 0.5;
 /// A share of the clipping below this is dropped.
 const LEAST_SHARE: f64 = 1e-2;
 
@@ -156,12 +159,17 @@ impl<'e> Proposer<'e> {
             self.share,
         );
         counters.factorisations = self.newton.factorisations;
-        let Settled {
+        let Some(Settled {
             step,
             active,
             hessian,
             share,
-        } = settled?;
+        }) = settled
+        else {
+            // Too long a step or too many exchanges: start with more of the clipping next time.
+            self.share = (2.0 * self.share).clamp(FIRST_GUESS, LAST_GUESS);
+            return None;
+        };
         self.share = if share > LEAST_SHARE {
             0.5 * share
         } else {

@@ -18,6 +18,7 @@ use crate::proposal::{Proposal, Proposer, model_change};
 use crate::soc::Correction;
 use crate::solution::{Counters, Iteration, Solution, Start, StepKind};
 use crate::{Options, Programme, ProgrammeError, Status};
+use std::collections::VecDeque;
 
 /// Shortest step that the line search tries.
 const SHORTEST: f64 = 1e-8;
@@ -81,6 +82,8 @@ struct Run<'e> {
     penalty: Penalty,
     counters: Counters,
     history: Vec<Iteration>,
+    /// Cost and violation of the last points, for the merit function's reference.
+    memory: VecDeque<(f64, f64)>,
     /// Errors at which the polish is tried next.
     target: f64,
 }
@@ -111,6 +114,7 @@ impl<'e> Run<'e> {
             penalty: Penalty(1.0),
             counters,
             history: Vec::new(),
+            memory: VecDeque::new(),
             target: options.optimality,
         }
     }
@@ -229,7 +233,7 @@ impl<'e> Run<'e> {
         self.penalty.update(model, relief, max_abs(&proposal.y));
         let violation = self.at.violation(self.e);
         let merit = Merit {
-            value: self.at.cost + self.penalty.0 * violation,
+            value: self.reference(self.at.cost, violation),
             slope: slope - self.penalty.0 * relief,
             penalty: self.penalty.0,
         };
@@ -263,6 +267,15 @@ impl<'e> Run<'e> {
         }
         self.penalty = before;
         false
+    }
+
+    /// The largest merit of the present point and the last few, with the present penalty.
+    fn reference(&self, cost: f64, violation: f64) -> f64 {
+        let merit = |&(f, v): &(f64, f64)| f + self.penalty.0 * v;
+        self.memory
+            .iter()
+            .map(merit)
+            .fold(cost + self.penalty.0 * violation, f64::max)
     }
 
     /// Tries the second-order correction of a rejected trial point.
@@ -335,7 +348,14 @@ impl<'e> Run<'e> {
             });
         }
         self.counters.iterations += 1;
-        self.proposer.damping.learn(alpha);
+        self.memory
+            .push_back((self.at.cost, self.at.violation(self.e)));
+        if self.memory.len() > self.options.memory {
+            self.memory.pop_front();
+        }
+        if proposal.kind != StepKind::Newton {
+            self.proposer.damping.learn(alpha);
+        }
         self.counters.newton_steps += usize::from(kind == StepKind::Newton);
         self.at.x = x;
         for (y, new) in self.at.y.iter_mut().zip(&proposal.y) {
