@@ -24,9 +24,8 @@ pub(crate) fn anatomy(
     correlation_length: f64,
 ) -> Vec<Share> {
     let heading = samples.heading();
-    let run_value = |f: &dyn Fn(usize) -> f64| -> Vec<f64> {
-        samples.owner.iter().map(|&k| f(k)).collect()
-    };
+    let run_value =
+        |f: &dyn Fn(usize) -> f64| -> Vec<f64> { samples.owner.iter().map(|&k| f(k)).collect() };
     let order = run_value(&|k| k as f64 + 1.0);
     let load = run_value(&|k| {
         let run = &samples.runs[k];
@@ -85,7 +84,9 @@ impl Along<'_> {
         let (lo, hi) = self
             .x
             .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &v| (a.min(v), b.max(v)));
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &v| {
+                (a.min(v), b.max(v))
+            });
         if !(hi - lo > 1e-9 * hi.abs().max(lo.abs())) {
             return None;
         }

@@ -165,8 +165,10 @@ pub(crate) struct Fitted {
     pub(crate) converged: bool,
 }
 
-/// Starts of the law that are fitted, of all that are looked at.
-const STARTS_FITTED: usize = 4;
+/// Starts of the law that are fitted roughly, of all that are looked at.
+const STARTS_FITTED: usize = 10;
+/// Of these, fits that are carried to their end.
+const STARTS_FINISHED: usize = 3;
 
 /// Which parameters move in a fit.
 fn movable(model: &Model, subset: &Subset, runs: usize) -> Vec<bool> {
@@ -214,7 +216,8 @@ pub(crate) fn append_prior(
     let mut out = whitened.resize_vertically(n + extra, 0.0);
     for (c, column) in parameters.iter().enumerate().take(p) {
         if let Some(k) = column.filter(|k| *k < extra) {
-            out.view_mut((n, c), (extra, 1)).copy_from(&prior.root.column(k));
+            out.view_mut((n, c), (extra, 1))
+                .copy_from(&prior.root.column(k));
         }
     }
     out
@@ -225,7 +228,11 @@ impl Residuals for Problem<'_> {
         let predicted = self.model.predict(&self.bench.experiment, parameters);
         let r = self.subset.gather(&predicted) - &self.measured;
         // The residual here is predicted less measured.
-        -with_prior_rows(self.bench.prior.as_ref(), -self.whitener.whiten(&r), parameters)
+        -with_prior_rows(
+            self.bench.prior.as_ref(),
+            -self.whitener.whiten(&r),
+            parameters,
+        )
     }
 
     fn jacobian(&self, parameters: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
@@ -242,12 +249,19 @@ impl Residuals for Problem<'_> {
             self.model
                 .predict_with_jacobian(&self.bench.experiment, parameters, Some(columns));
         let r = self.subset.gather(&predicted) - &self.measured;
-        let r = -with_prior_rows(self.bench.prior.as_ref(), -self.whitener.whiten(&r), parameters);
+        let r = -with_prior_rows(
+            self.bench.prior.as_ref(),
+            -self.whitener.whiten(&r),
+            parameters,
+        );
         let owners: Vec<Option<usize>> = columns.iter().map(|&c| Some(c)).collect();
         let jacobian = self
             .whitener
             .whiten_columns(&self.subset.gather_columns(&jacobian));
-        (r, append_prior(self.bench.prior.as_ref(), jacobian, &owners))
+        (
+            r,
+            append_prior(self.bench.prior.as_ref(), jacobian, &owners),
+        )
     }
 }
 
@@ -314,10 +328,13 @@ impl<'a> Bench<'a> {
     pub(crate) fn first_sizes(&self) -> Sizes {
         let n = self.samples.len() as f64;
         let rms = (self.samples.force.iter().map(|f| f * f).sum::<f64>() / n).sqrt();
-        let (lo, hi) = self.samples.place.iter().fold(
-            (f64::INFINITY, f64::NEG_INFINITY),
-            |(a, b), &x| (a.min(x), b.max(x)),
-        );
+        let (lo, hi) = self
+            .samples
+            .place
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| {
+                (a.min(x), b.max(x))
+            });
         Sizes {
             sensor: self.stated_sensor.unwrap_or(0.0).max(3e-3 * rms).max(1e-12),
             private: 0.01,
@@ -348,18 +365,35 @@ impl<'a> Bench<'a> {
                 let whole = model.at_null(start, &self.experiment);
                 let predicted = subset.gather(&model.predict(&self.experiment, &whole));
                 let cost = whitener.whiten(&(predicted - &measured)).norm_squared();
-                (if cost.is_finite() { cost } else { f64::INFINITY }, whole)
+                (
+                    if cost.is_finite() {
+                        cost
+                    } else {
+                        f64::INFINITY
+                    },
+                    whole,
+                )
             })
             .collect();
         ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
         ranked.truncate(STARTS_FITTED);
-        let fits: Vec<Option<Fitted>> = ranked
+        let rough: Vec<Option<Fitted>> = ranked
             .par_iter()
-            .map(|(_, whole)| self.fit(subset, &[], whole, &whitener, None, 40))
+            .map(|(_, whole)| self.fit(subset, &[], whole, &whitener, None, 12))
+            .collect();
+        let mut rough: Vec<Fitted> = rough.into_iter().flatten().collect();
+        rough.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        rough.truncate(STARTS_FINISHED);
+        let fits: Vec<Option<Fitted>> = rough
+            .par_iter()
+            .map(|fit| self.fit(subset, &[], &fit.parameters, &whitener, None, 60))
             .collect();
         let mut best: Option<Fitted> = None;
         for fit in fits.into_iter().flatten() {
-            if best.as_ref().is_none_or(|b| fit.cost < b.cost * (1.0 - 1e-9)) {
+            if best
+                .as_ref()
+                .is_none_or(|b| fit.cost < b.cost * (1.0 - 1e-9))
+            {
                 best = Some(fit);
             }
         }
@@ -509,7 +543,9 @@ impl Stand {
 
     /// Whitens columns (all samples), with empty rows for a prior.
     pub(crate) fn whiten(&self, subset: &Subset, columns: &DMatrix<f64>) -> DMatrix<f64> {
-        let white = self.whitener.whiten_columns(&subset.gather_columns(columns));
+        let white = self
+            .whitener
+            .whiten_columns(&subset.gather_columns(columns));
         let n = white.nrows();
         white.resize_vertically(n + self.prior_rows, 0.0)
     }

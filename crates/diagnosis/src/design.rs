@@ -61,7 +61,9 @@ pub fn design(campaign: &Campaign, options: &Options) -> Result<Design, Diagnosi
         .samples
         .place
         .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| {
+            (a.min(x), b.max(x))
+        });
     let half = NOMINAL_ROUGHNESS * std::f64::consts::FRAC_1_SQRT_2;
     let sizes = Sizes {
         sensor: bench.stated_sensor.unwrap_or(1e-3 * strongest),
@@ -89,7 +91,9 @@ pub fn design(campaign: &Campaign, options: &Options) -> Result<Design, Diagnosi
         .map(|c| {
             let cause = &bench.catalogue[c.cause];
             let spec = &cause.parameters_for(&bench.experiment)[cause.sizes()[0]];
-            let sd = stand.ground.size_deviation(&bench, &found.rays, c.cause, sizes.scatter);
+            let sd = stand
+                .ground
+                .size_deviation(&bench, &found.rays, c.cause, sizes.scatter);
             let search = if cause.is_periodic() { 6.1 / 4.8 } else { 1.0 };
             Hidden {
                 cause: cause.id().into(),

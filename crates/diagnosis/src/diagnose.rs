@@ -4,11 +4,10 @@ use campaign::Campaign;
 use friction::LawKind;
 use rig::{Experiment, ModelFile};
 
-use crate::answer::{
-    Baseline, Diagnosis, Estimate, Evidence, Finding, Hidden, LawFit, Rival, Status,
-    Unexplained,
-};
 use crate::anatomy::anatomy;
+use crate::answer::{
+    Baseline, Diagnosis, Estimate, Evidence, Finding, Hidden, LawFit, Rival, Status, Unexplained,
+};
 use crate::bench::{Bench, Prior, Stand, Subset};
 use crate::causes;
 use crate::equivalence::{Contest, SEPARABLE, contest};
@@ -20,9 +19,7 @@ use crate::intervals;
 use crate::laws;
 use crate::probability::weight_of_set;
 use crate::samples::Samples;
-use crate::selection::{
-    ALPHA_GENERAL, ALPHA_NAME, Depth, SHAPE_TOLERANCE, Selected, select,
-};
+use crate::selection::{ALPHA_GENERAL, ALPHA_NAME, Depth, SHAPE_TOLERANCE, Selected, select};
 use crate::tail::equivalent_z;
 use crate::ties;
 
@@ -62,6 +59,8 @@ pub struct Diagnosed {
     pub answer: Diagnosis,
     /// The extended model.
     pub extension: ModelFile,
+    /// The law alone, fitted to the same runs.
+    pub plain: ModelFile,
     /// Curves for figures.
     pub curves: Curves,
 }
@@ -116,7 +115,7 @@ pub(crate) fn bench<'a>(
         (None, Some(law)) => law,
         (None, None) => default_law(campaign),
     };
-    let experiment = Experiment::new(campaign)?;
+    let mut experiment = Experiment::new(campaign)?;
     rig::Model::new(law, Vec::new(), &experiment)?;
     let prior = options
         .model
@@ -148,9 +147,13 @@ pub(crate) fn bench<'a>(
             .collect(),
         None => vec![false; campaign.runs.iter().map(|r| r.force_n.len()).sum()],
     };
+    let mut samples = Samples::new(campaign);
+    if let Some(file) = &options.model {
+        take_extension_off(file, law, &mut experiment, &mut samples)?;
+    }
     Ok(Bench {
         campaign,
-        samples: Samples::new(campaign),
+        samples,
         experiment,
         law,
         catalogue,
@@ -159,6 +162,37 @@ pub(crate) fn bench<'a>(
         repeats: campaign.conditions().iter().any(|c| c.len() > 1),
         masked,
     })
+}
+
+/// Takes what a model file's extension adds to the law's prediction off the record, so that only what is beyond it is
+/// asked for. The law stays within the file's covariance, so the two add up.
+fn take_extension_off(
+    file: &ModelFile,
+    law: LawKind,
+    experiment: &mut Experiment,
+    samples: &mut Samples,
+) -> Result<(), DiagnosisError> {
+    let extension = file
+        .extension_from(&causes::catalogue())
+        .map_err(DiagnosisError::ModelFile)?;
+    if extension.is_empty() {
+        return Ok(());
+    }
+    let values = file.law_values().map_err(DiagnosisError::ModelFile)?;
+    let plain = rig::Model::new(law, Vec::new(), experiment)?;
+    let (effects, own): (Vec<_>, Vec<_>) = extension.into_iter().unzip();
+    let extended = rig::Model::new(law, effects, experiment)?;
+    let mut p = values.clone();
+    p.extend(own.into_iter().flatten());
+    p.resize(extended.parameters().len(), 0.0);
+    let with = extended.predict(experiment, &p);
+    let without = plain.predict(experiment, &plain.at_null(&values, experiment));
+    for i in 0..with.len() {
+        let added = with[i] - without[i];
+        experiment.measured_n[i] -= added;
+        samples.force[i] -= added;
+    }
+    Ok(())
 }
 
 /// Diagnoses a campaign.
@@ -174,14 +208,11 @@ pub fn diagnose(campaign: &Campaign, options: &Options) -> Result<Diagnosis, Dia
 ///
 /// # Errors
 /// As [`diagnose`].
-pub fn diagnose_fully(
-    campaign: &Campaign,
-    options: &Options,
-) -> Result<Diagnosed, DiagnosisError> {
+pub fn diagnose_fully(campaign: &Campaign, options: &Options) -> Result<Diagnosed, DiagnosisError> {
     let bench = bench(campaign, options)?;
     let subset = Subset::all(&bench);
-    let selected = select(&bench, &subset, Depth::Full, None)
-        .ok_or(DiagnosisError::NoFit(bench.law.id()))?;
+    let selected =
+        select(&bench, &subset, Depth::Full, None).ok_or(DiagnosisError::NoFit(bench.law.id()))?;
     let integrity = inspect(campaign, selected.stand.sizes.sensor);
     let contests: Vec<Contest> = (0..selected.stand.fitted.effects.len())
         .filter_map(|k| contest(&bench, &subset, &selected.stand, &selected.first, k))
@@ -190,11 +221,13 @@ pub fn diagnose_fully(
     if !options.quick {
         complete(&bench, &selected, &contests, &mut answer, options);
     }
-    let extension = extension(&bench, &subset, &selected);
+    let extension = model_file(&bench, &selected.stand);
+    let plain = model_file(&bench, &selected.baseline);
     let curves = curves(&bench, &selected);
     Ok(Diagnosed {
         answer,
         extension,
+        plain,
         curves,
     })
 }
@@ -239,7 +272,10 @@ fn complete(
             (proposal, answer.findings.iter_mut().find(|f| f.cause == id))
             && !finding.equivalent.is_empty()
         {
-            let text = format!("{} (the two would differ by {:.0} standard deviations)", p.text, p.distance);
+            let text = format!(
+                "{} (the two would differ by {:.0} standard deviations)",
+                p.text, p.distance
+            );
             answer.undecidable.push(crate::answer::Undecidable {
                 causes: std::iter::once(finding.cause.clone())
                     .chain(finding.equivalent.iter().cloned())
@@ -250,9 +286,12 @@ fn complete(
             finding.experiment = Some(text);
         }
     }
-    answer
-        .undecidable
-        .extend(ties::ties(bench, &selected.baseline, &selected.first, scatter));
+    answer.undecidable.extend(ties::ties(
+        bench,
+        &selected.baseline,
+        &selected.first,
+        scatter,
+    ));
     answer.undecidable.extend(ties::lacking(bench));
     if options.model.is_none() {
         answer.laws = laws::compare(bench, selected);
@@ -320,7 +359,13 @@ fn assemble(
         .iter()
         .zip(&selected.baseline.fitted.prediction)
         .zip(&bench.samples.load)
-        .map(|((m, p), n)| if bench.samples.loaded && *n > 0.0 { (m - p) / n } else { m - p })
+        .map(|((m, p), n)| {
+            if bench.samples.loaded && *n > 0.0 {
+                (m - p) / n
+            } else {
+                m - p
+            }
+        })
         .collect();
     Diagnosis {
         schema: "bristle/diagnosis/1".into(),
@@ -342,7 +387,11 @@ fn assemble(
         findings,
         unexplained: Unexplained {
             detected,
-            r#where: if detected { selected.left.place.clone() } else { None },
+            r#where: if detected {
+                selected.left.place.clone()
+            } else {
+                None
+            },
             z: equivalent_z(selected.left.log_p),
         },
         undecidable: Vec::new(),
@@ -357,7 +406,9 @@ fn assemble(
 fn notes(bench: &Bench<'_>, selected: &Selected) -> Vec<String> {
     let mut notes = Vec::new();
     if !selected.baseline.fitted.converged {
-        notes.push("the fit of the law alone did not converge: not converged: iteration limit".to_owned());
+        notes.push(
+            "the fit of the law alone did not converge: not converged: iteration limit".to_owned(),
+        );
     }
     if !selected.stand.fitted.converged && !selected.stand.fitted.effects.is_empty() {
         notes.push("the fit of the extended model did not converge: iteration limit".to_owned());
@@ -377,7 +428,9 @@ fn notes(bench: &Bench<'_>, selected: &Selected) -> Vec<String> {
         }
     }
     if bench.samples.temperature.is_none() {
-        notes.push("no temperature is recorded: its share of the residual cannot be shown".to_owned());
+        notes.push(
+            "no temperature is recorded: its share of the residual cannot be shown".to_owned(),
+        );
     }
     notes
 }
@@ -443,25 +496,29 @@ fn integrity_findings(bench: &Bench<'_>, integrity: &Integrity) -> Vec<Finding> 
     .into_iter()
     .filter_map(|(cause, name, value)| {
         let value = value?;
-        bench.catalogue.iter().any(|c| c.id() == cause).then(|| Finding {
-            cause: cause.into(),
-            station: "sensor".into(),
-            equivalent: Vec::new(),
-            probability: 0.999,
-            parameters: vec![Estimate {
-                name: name.into(),
-                value,
-                ci95: Some([value, value]),
-                unit: unit.into(),
-            }],
-            gain: None,
-            evidence: Evidence {
-                delta_log_likelihood: 0.0,
-                z: 0.0,
-                rivals: Vec::new(),
-            },
-            experiment: None,
-        })
+        bench
+            .catalogue
+            .iter()
+            .any(|c| c.id() == cause)
+            .then(|| Finding {
+                cause: cause.into(),
+                station: "sensor".into(),
+                equivalent: Vec::new(),
+                probability: 0.999,
+                parameters: vec![Estimate {
+                    name: name.into(),
+                    value,
+                    ci95: Some([value, value]),
+                    unit: unit.into(),
+                }],
+                gain: None,
+                evidence: Evidence {
+                    delta_log_likelihood: 0.0,
+                    z: 0.0,
+                    rivals: Vec::new(),
+                },
+                experiment: None,
+            })
     })
     .collect()
 }
@@ -488,9 +545,8 @@ fn hidden(bench: &Bench<'_>, selected: &Selected) -> Vec<Hidden> {
         .collect()
 }
 
-/// The extended model as a file.
-fn extension(bench: &Bench<'_>, subset: &Subset, selected: &Selected) -> ModelFile {
-    let stand: &Stand = &selected.stand;
+/// A fitted model as a file.
+fn model_file(bench: &Bench<'_>, stand: &Stand) -> ModelFile {
     let law = stand.fitted.model.law_parameters();
     let covariance = intervals::covariance(stand);
     let place = |p: usize| stand.columns.iter().position(|&c| c == p);
@@ -500,7 +556,11 @@ fn extension(bench: &Bench<'_>, subset: &Subset, selected: &Selected) -> ModelFi
     };
     let sd: Vec<f64> = (0..law).map(|i| entry(i, i).max(0.0).sqrt()).collect();
     let mut file = ModelFile::new(bench.law, &stand.fitted.parameters[..law], Some(&sd));
-    let fastest = bench.samples.velocity.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let fastest = bench
+        .samples
+        .velocity
+        .iter()
+        .fold(0.0_f64, |m, v| m.max(v.abs()));
     file.valid_speed_m_s = Some([0.0, fastest]);
     file.covariance = covariance.as_ref().map(|_| {
         (0..law)
@@ -519,7 +579,6 @@ fn extension(bench: &Bench<'_>, subset: &Subset, selected: &Selected) -> ModelFi
             covariance.as_ref().map(|_| own.as_slice()),
         ));
     }
-    let _ = subset;
     file
 }
 

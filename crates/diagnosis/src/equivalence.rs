@@ -76,7 +76,10 @@ pub(crate) fn contest(
         .candidates
         .iter()
         .filter(|c| {
-            is_dear(bench, c.cause) && full.effects.len() == 1 && best > 5.0 && c.score.z() < 0.3 * best
+            is_dear(bench, c.cause)
+                && full.effects.len() == 1
+                && best > 5.0
+                && c.score.z() < 0.3 * best
         })
         .map(|c| c.cause)
         .collect();
@@ -98,8 +101,14 @@ pub(crate) fn contest(
         if bench.catalogue[candidate.cause].id() == bench.catalogue[own].id() {
             continue;
         }
-        let separation = nearest(&beside.ground, &found.rays, candidate.cause, &projected, scatter)
-            .unwrap_or(length);
+        let separation = nearest(
+            &beside.ground,
+            &found.rays,
+            candidate.cause,
+            &projected,
+            scatter,
+        )
+        .unwrap_or(length);
         opponents.push(Opponent {
             cause: candidate.cause,
             separation,
@@ -115,7 +124,8 @@ pub(crate) fn contest(
             let candidate = found.candidates.iter().find(|c| c.cause == opponent.cause);
             if opponent.separation < NEAR
                 && let Some(candidate) = candidate
-                && let Some((fit, excess)) = replace(bench, subset, stand, &beside, candidate, &whitener)
+                && let Some((fit, excess)) =
+                    replace(bench, subset, stand, &beside, candidate, &whitener)
             {
                 opponent.excess_deviance = excess;
                 opponent.fitted = Some(fit);
@@ -132,11 +142,10 @@ pub(crate) fn contest(
     let start = beside.fitted.parameters.clone();
     let saved = bench
         .fit(subset, &beside.fitted.effects, &start, &whitener, None, 20)
-        .map_or(length * length, |fit| stand.deviance_of(bench, subset, &fit) - stand.deviance);
-    Some(Contest {
-        saved,
-        opponents,
-    })
+        .map_or(length * length, |fit| {
+            stand.deviance_of(bench, subset, &fit) - stand.deviance
+        });
+    Some(Contest { saved, opponents })
 }
 
 /// Fits the rival to the data in the cause's place.
@@ -150,16 +159,30 @@ fn replace(
 ) -> Option<(Fitted, f64)> {
     let mut effects = beside.fitted.effects.clone();
     effects.push(candidate.cause);
-    let (_, start) = extended(bench, &beside.fitted, candidate.cause, candidate.starts.first()?)?;
+    let (_, start) = extended(
+        bench,
+        &beside.fitted,
+        candidate.cause,
+        candidate.starts.first()?,
+    )?;
     let fit = bench.fit(subset, &effects, &start, whitener, None, 10)?;
     let excess = stand.deviance_of(bench, subset, &fit) - stand.deviance;
     Some((fit, excess))
 }
 
 /// The smallest distance (D3) over a rival's rays.
-fn nearest(ground: &Ground, rays: &[Ray], cause: usize, effect: &DVector<f64>, scatter: f64) -> Option<f64> {
+fn nearest(
+    ground: &Ground,
+    rays: &[Ray],
+    cause: usize,
+    effect: &DVector<f64>,
+    scatter: f64,
+) -> Option<f64> {
     let n = effect.len();
-    let flat = ground.descatter(&DMatrix::from_column_slice(n, 1, effect.as_slice()), scatter);
+    let flat = ground.descatter(
+        &DMatrix::from_column_slice(n, 1, effect.as_slice()),
+        scatter,
+    );
     let flat: DVector<f64> = flat.column(0).into_owned();
     rays.iter()
         .filter(|ray| ray.cause == cause)

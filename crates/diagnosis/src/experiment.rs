@@ -74,7 +74,11 @@ fn distance(
     longer.runs.extend(candidate.runs.iter().cloned());
     let experiment = Experiment::new(&longer).ok()?;
     let predict = |h: &Hypothesis<'_>| -> Option<Vec<f64>> {
-        let effects = h.effects.iter().map(|&i| bench.catalogue[i].boxed()).collect();
+        let effects = h
+            .effects
+            .iter()
+            .map(|&i| bench.catalogue[i].boxed())
+            .collect();
         let model = Model::new(bench.law, effects, &experiment).ok()?;
         let mut p = h.parameters.to_vec();
         p.resize(model.parameters().len(), 0.0);
@@ -107,8 +111,13 @@ fn candidates(campaign: &Campaign) -> Vec<Candidate> {
         .iter()
         .find(|r| r.direction != Direction::Reverse)
         .or_else(|| campaign.runs.first());
-    let Some(base) = forward else { return Vec::new() };
-    let reverse = campaign.runs.iter().find(|r| r.direction == Direction::Reverse);
+    let Some(base) = forward else {
+        return Vec::new();
+    };
+    let reverse = campaign
+        .runs
+        .iter()
+        .find(|r| r.direction == Direction::Reverse);
     let pair = |change: &dyn Fn(&mut Run)| -> Vec<Run> {
         let mut runs = vec![base.clone()];
         runs.extend(reverse.cloned());
@@ -191,7 +200,11 @@ fn place_after(campaign: &Campaign, runs: &mut [Run], rest_s: f64) {
         .iter()
         .filter_map(|r| Some(r.started_s? + r.time_s.last().copied().unwrap_or(0.0)))
         .fold(f64::NEG_INFINITY, f64::max);
-    let order = campaign.runs.iter().filter_map(|r| r.order).fold(0.0, f64::max);
+    let order = campaign
+        .runs
+        .iter()
+        .filter_map(|r| r.order)
+        .fold(0.0, f64::max);
     let mut clock = last;
     for (k, run) in runs.iter_mut().enumerate() {
         clock += rest_s;
@@ -209,7 +222,10 @@ fn place_after(campaign: &Campaign, runs: &mut [Run], rest_s: f64) {
 /// A run with another course of speed over the same time: `course(u)` in units of the top speed, u from 0 to 1.
 fn reshaped(campaign: &Campaign, base: &Run, course: &dyn Fn(f64) -> f64) -> Run {
     let mut run = base.clone();
-    let top = base.velocity_m_s.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let top = base
+        .velocity_m_s
+        .iter()
+        .fold(0.0_f64, |m, v| m.max(v.abs()));
     let (start, end) = (run.time_s[0], run.time_s[run.time_s.len() - 1]);
     run.velocity_m_s = run
         .time_s
@@ -232,7 +248,11 @@ fn reshaped(campaign: &Campaign, base: &Run, course: &dyn Fn(f64) -> f64) -> Run
 
 fn steps(u: f64) -> f64 {
     const LEVELS: [f64; 5] = [0.1, 1.0, 0.2, 0.7, 0.4];
-    if u <= 0.0 { 0.0 } else { LEVELS[((5.0 * u) as usize).min(4)] }
+    if u <= 0.0 {
+        0.0
+    } else {
+        LEVELS[((5.0 * u) as usize).min(4)]
+    }
 }
 
 fn cycles(u: f64) -> f64 {

@@ -47,7 +47,11 @@ pub(crate) fn modelled(bench: &Bench<'_>, prediction: &[f64], sizes: &Sizes) -> 
         .iter()
         .zip(&bench.samples.load)
         .map(|(f, load)| {
-            let unit = if bench.samples.loaded && *load > 0.0 { *load } else { 1.0 };
+            let unit = if bench.samples.loaded && *load > 0.0 {
+                *load
+            } else {
+                1.0
+            };
             (sizes.sensor.powi(2) + relative * f * f) / (unit * unit)
         })
         .sum();
@@ -78,12 +82,20 @@ pub(crate) fn noise_floor(bench: &Bench<'_>, selected: &Selected) -> NoiseFloor 
         ));
     }
     if sizes.plate == 0.0 {
-        caveats.push("no roughness fixed to the plate was seen, or no two runs pass the same place".to_owned());
+        caveats.push(
+            "no roughness fixed to the plate was seen, or no two runs pass the same place"
+                .to_owned(),
+        );
     }
     NoiseFloor {
         rmse: measured.unwrap_or(modelled),
         unit: unit(bench).into(),
-        source: if measured.is_some() { "repeats" } else { "model" }.into(),
+        source: if measured.is_some() {
+            "repeats"
+        } else {
+            "model"
+        }
+        .into(),
         sensor: sizes.sensor,
         roughness_private: sizes.private,
         roughness_plate: sizes.plate,

@@ -61,7 +61,9 @@ fn folds(bench: &Bench<'_>) -> Vec<Vec<usize>> {
     }
     if folds.is_empty() && bench.samples.runs.len() > 2 {
         // No repeats: each run in turn, at most six.
-        folds = (0..bench.samples.runs.len().min(6)).map(|k| vec![k]).collect();
+        folds = (0..bench.samples.runs.len().min(6))
+            .map(|k| vec![k])
+            .collect();
     }
     folds
 }
@@ -124,12 +126,20 @@ fn fold(
         .iter()
         .map(|cause| {
             let k = full.effects.iter().position(|e| e == cause)?;
-            let rest: Vec<usize> = full.effects.iter().copied().filter(|e| e != cause).collect();
+            let rest: Vec<usize> = full
+                .effects
+                .iter()
+                .copied()
+                .filter(|e| e != cause)
+                .collect();
             if rest.is_empty() {
                 return Some(own.baseline.fitted.prediction.clone());
             }
             let context = subset.context(bench, &full.prediction);
-            let whitener = own.stand.whitener.with_scatter(&context, own.stand.sizes.scatter);
+            let whitener = own
+                .stand
+                .whitener
+                .with_scatter(&context, own.stand.sizes.scatter);
             bench
                 .fit(&subset, &rest, &without(full, k), &whitener, None, 12)
                 .map(|fit| fit.prediction)
@@ -249,8 +259,7 @@ fn gain(before: &Errors, after: &Errors, floor_rmse: f64, placebo: &[f64]) -> Ga
         .collect();
     let n = differences.len() as f64;
     let mean = differences.iter().sum::<f64>() / n;
-    let variance =
-        differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+    let variance = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
     let error = (n * variance).sqrt();
     // The denominator is known to the floor's own uncertainty: about sqrt(2/samples that are independent).
     let known = explainable > 0.2 * floor;

@@ -41,10 +41,26 @@ pub(crate) fn families(samples: &Samples, scale: &[f64], length: f64) -> Vec<Hat
     let forward: Vec<bool> = heading.iter().map(|h| *h > 0.0).collect();
     let both = forward.iter().any(|f| *f) && forward.iter().any(|f| !*f);
     let all = |_: usize| true;
-    out.push(hats("position", "m", &samples.place, scale, (lo, hi), cells, &all));
+    out.push(hats(
+        "position",
+        "m",
+        &samples.place,
+        scale,
+        (lo, hi),
+        cells,
+        &all,
+    ));
     if both {
         let odd: Vec<f64> = scale.iter().zip(heading).map(|(s, h)| s * h).collect();
-        out.push(hats("position", "m", &samples.place, &odd, (lo, hi), cells, &all));
+        out.push(hats(
+            "position",
+            "m",
+            &samples.place,
+            &odd,
+            (lo, hi),
+            cells,
+            &all,
+        ));
     }
     let speed: Vec<f64> = samples.velocity.iter().map(|v| v.abs()).collect();
     let (slow, fast) = range(&speed);
@@ -64,7 +80,9 @@ pub(crate) fn families(samples: &Samples, scale: &[f64], length: f64) -> Vec<Hat
 
 fn range(x: &[f64]) -> (f64, f64) {
     x.iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &v| (a.min(v), b.max(v)))
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &v| {
+            (a.min(v), b.max(v))
+        })
 }
 
 /// Triangular hats at equidistant centres, times the scale, on the samples chosen by `own`.
@@ -121,7 +139,11 @@ fn each_run(samples: &Samples, scale: &[f64]) -> Hats {
         }
         for j in 0..=CELLS {
             let centre = width * j as f64;
-            cells.push(((centre - width).max(0.0), (centre + width).min(end), Some(k)));
+            cells.push((
+                (centre - width).max(0.0),
+                (centre + width).min(end),
+                Some(k),
+            ));
         }
     }
     Hats {
@@ -207,14 +229,23 @@ fn locate(family: &Hats, z: &[f64], samples: &Samples, names: &[String]) -> Opti
         || {
             // Spread over several runs: from the first to the last hat that stands out.
             let first = beyond.iter().position(|x| *x > 0.02 * total).unwrap_or(0);
-            let last = beyond.iter().rposition(|x| *x > 0.02 * total).unwrap_or(first);
+            let last = beyond
+                .iter()
+                .rposition(|x| *x > 0.02 * total)
+                .unwrap_or(first);
             (first, last)
         },
         |(_, a, b)| (a, b),
     );
     let chosen: Vec<usize> = (a..=b).filter(|j| beyond[*j] > 0.02 * total).collect();
-    let from = chosen.iter().map(|&j| family.cells[j].0).fold(f64::INFINITY, f64::min);
-    let to = chosen.iter().map(|&j| family.cells[j].1).fold(f64::NEG_INFINITY, f64::max);
+    let from = chosen
+        .iter()
+        .map(|&j| family.cells[j].0)
+        .fold(f64::INFINITY, f64::min);
+    let to = chosen
+        .iter()
+        .map(|&j| family.cells[j].1)
+        .fold(f64::NEG_INFINITY, f64::max);
     let runs: Vec<String> = match family.cells[a].2 {
         Some(_) => {
             let mut own: Vec<usize> = chosen.iter().filter_map(|&j| family.cells[j].2).collect();
@@ -255,7 +286,12 @@ pub(crate) fn bursts(ground: &Ground, samples: &Samples, names: &[String]) -> La
                 .iter()
                 .map(|x| x * x / mean)
                 .sum::<f64>();
-            windows.push((k, start, (start - run.start) / (WINDOW / 2), power / WINDOW as f64));
+            windows.push((
+                k,
+                start,
+                (start - run.start) / (WINDOW / 2),
+                power / WINDOW as f64,
+            ));
             start += WINDOW / 2;
         }
     }
@@ -278,7 +314,11 @@ pub(crate) fn bursts(ground: &Ground, samples: &Samples, names: &[String]) -> La
         .iter()
         .map(|w| {
             let mut same: Vec<f64> = windows.iter().filter(|o| o.2 == w.2).map(|o| o.3).collect();
-            let own = if same.len() >= 4 { middle(&mut same) } else { typical };
+            let own = if same.len() >= 4 {
+                middle(&mut same)
+            } else {
+                typical
+            };
             w.3 / own.max(typical)
         })
         .collect();
@@ -291,7 +331,7 @@ pub(crate) fn bursts(ground: &Ground, samples: &Samples, names: &[String]) -> La
         .max_by(|&a, &b| ratios[a].total_cmp(&ratios[b]))
         .unwrap_or(0);
     // Logarithms of mean squares are nearly normal; their upper tail is a little heavier than that.
-    let z = (ratios[best].max(1e-12).ln() - quartile(0.5)) / (1.25 * spread);
+    let z = (ratios[best].max(1e-12).ln() - quartile(0.5)) / (1.5 * spread);
     let log_p = log_chi2_tail(z.max(0.0).powi(2), 1) - 2.0_f64.ln() + (windows.len() as f64).ln();
     let (k, start, _, power) = windows[best];
     let end = start + WINDOW - 1;

@@ -138,7 +138,11 @@ impl Ground {
         let kept = (0..free.ncols())
             .map(|j| {
                 let full = whitened.column(j).norm();
-                if full > 0.0 { free.column(j).norm() / full } else { 0.0 }
+                if full > 0.0 {
+                    free.column(j).norm() / full
+                } else {
+                    0.0
+                }
             })
             .fold(0.0, f64::max);
         if !(kept > ABSORBED) {
@@ -152,10 +156,7 @@ impl Ground {
             }
         }
         let (columns, back) = orthonormal(&usable, 1e-5);
-        (columns.ncols() > 0).then_some(Direction {
-            columns,
-            back,
-        })
+        (columns.ncols() > 0).then_some(Direction { columns, back })
     }
 
     /// The score test of an effect, the scatter between runs integrated over.
@@ -397,9 +398,7 @@ mod tests {
         let (runs, each) = (6, 40);
         let n = runs * each;
         let gains = DMatrix::from_fn(n, runs, |i, k| if i / each == k { 1.0 } else { 0.0 });
-        let mean = DMatrix::from_fn(n, 2, |i, c| {
-            if (i / each) % 2 == c { 1.0 } else { 0.0 }
-        });
+        let mean = DMatrix::from_fn(n, 2, |i, c| if (i / each) % 2 == c { 1.0 } else { 0.0 });
         let between = DMatrix::from_fn(n, 1, |i, _| (i / each) as f64);
         let within = DMatrix::from_fn(n, 1, |i, _| ((i % each) as f64 * 0.3).sin());
         let mut rng = ChaCha8Rng::seed_from_u64(4);

@@ -69,7 +69,11 @@ pub(crate) fn estimates(
                 name: reported.name.into(),
                 value: reported.value,
                 ci95,
-                unit: if rotary { rotary_unit(reported.unit) } else { reported.unit.into() },
+                unit: if rotary {
+                    rotary_unit(reported.unit)
+                } else {
+                    reported.unit.into()
+                },
             }
         })
         .collect()

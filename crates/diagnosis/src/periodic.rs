@@ -66,7 +66,12 @@ impl Family<'_> {
     /// |S'g|^2 of all frequencies: within a stretch of them each sample's phase turns by a fixed angle a frequency.
     fn powers(&self, count: usize, g: &DVector<f64>) -> Vec<f64> {
         const STRETCH: usize = 64;
-        let x: Vec<f64> = self.envelope.iter().zip(g.iter()).map(|(e, g)| e * g).collect();
+        let x: Vec<f64> = self
+            .envelope
+            .iter()
+            .zip(g.iter())
+            .map(|(e, g)| e * g)
+            .collect();
         let turn: Vec<(f64, f64)> = self
             .coordinate
             .iter()
@@ -130,7 +135,8 @@ impl Family<'_> {
             .collect();
         let mut order: Vec<usize> = (0..count)
             .filter(|&i| {
-                (i == 0 || values[i] >= values[i - 1]) && (i + 1 == count || values[i] > values[i + 1])
+                (i == 0 || values[i] >= values[i - 1])
+                    && (i + 1 == count || values[i] > values[i + 1])
             })
             .collect();
         order.sort_by(|&a, &b| values[b].total_cmp(&values[a]));
@@ -164,10 +170,10 @@ impl Family<'_> {
         0.5 * (lo + hi)
     }
 
-    /// Path length of the search on the unit sphere: a frequency's columns turn by about pi/2 over one cycle more in
-    /// the longest stretch, and one spacing is half of that.
+    /// Path length of the search on the unit sphere, from above: a column turns by 2 pi (spread of the coordinate) a
+    /// unit of frequency, the spread is at most half of the longest stretch, and one spacing is half a cycle over it.
     pub(crate) fn path(&self) -> f64 {
-        self.count() as f64 * std::f64::consts::FRAC_PI_4
+        self.count() as f64 * std::f64::consts::FRAC_PI_2
     }
 }
 

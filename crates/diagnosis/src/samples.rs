@@ -72,11 +72,12 @@ impl Samples {
                 out.place
                     .push(run.position_m.as_ref().map_or(place, |p| p[i]));
                 out.sliding.push(slid);
-                out.load.push(match (&run.normal_force_n, run.normal_load_n) {
-                    (Some(force), _) => force[i],
-                    (None, Some(load)) if loaded => load,
-                    _ => 1.0,
-                });
+                out.load
+                    .push(match (&run.normal_force_n, run.normal_load_n) {
+                        (Some(force), _) => force[i],
+                        (None, Some(load)) if loaded => load,
+                        _ => 1.0,
+                    });
                 let v = run.velocity_m_s[i];
                 out.heading.push(if v != 0.0 {
                     v.signum()

@@ -109,7 +109,14 @@ fn baseline(bench: &Bench<'_>, subset: &Subset, warm: Option<&Warm>) -> Option<(
 fn refit(bench: &Bench<'_>, subset: &Subset, fitted: &Fitted, sizes: &Sizes) -> Option<Fitted> {
     let context = subset.context(bench, &fitted.prediction);
     let whitener = fitting::noise::Whitener::new(&context, sizes);
-    bench.fit(subset, &fitted.effects, &fitted.parameters, &whitener, None, 20)
+    bench.fit(
+        subset,
+        &fitted.effects,
+        &fitted.parameters,
+        &whitener,
+        None,
+        20,
+    )
 }
 
 /// Joint fits of the stand's model with each candidate, from the candidate's starts; best first under the stand's noise.
@@ -124,7 +131,9 @@ fn joint_fits(
     let fits: Vec<Option<(usize, Fitted, f64)>> = candidates
         .par_iter()
         .map(|candidate| {
-            let whitener = stand.whitener.with_scatter(&context, candidate.score.scatter);
+            let whitener = stand
+                .whitener
+                .with_scatter(&context, candidate.score.scatter);
             let mut best: Option<(Fitted, f64)> = None;
             let dear = is_dear(bench, candidate.cause);
             let (starts, limit) = if dear { (1, 10) } else { (starts, 20) };
@@ -146,7 +155,11 @@ fn joint_fits(
         })
         .collect();
     let mut fits: Vec<(usize, Fitted, f64)> = fits.into_iter().flatten().collect();
-    fits.sort_by(|a, b| price(bench, a).total_cmp(&price(bench, b)).then(a.0.cmp(&b.0)));
+    fits.sort_by(|a, b| {
+        price(bench, a)
+            .total_cmp(&price(bench, b))
+            .then(a.0.cmp(&b.0))
+    });
     fits
 }
 
@@ -220,14 +233,18 @@ pub(crate) fn select(
                 (stand, &later)
             }
         };
-        let Some(top) = found.candidates.first() else { break };
+        let Some(top) = found.candidates.first() else {
+            break;
+        };
         // The first round asks all that come near; later ones must pass on their own.
         if top.log_p > threshold {
             break;
         }
         let asked = survivors(bench, found, threshold, most);
         let fits = joint_fits(bench, subset, stand, &asked, starts);
-        let Some((cause, fit, deviance)) = fits.first().cloned() else { break };
+        let Some((cause, fit, deviance)) = fits.first().cloned() else {
+            break;
+        };
         if round == 0 {
             singles = fits
                 .iter()
@@ -366,7 +383,11 @@ pub(crate) fn without(fitted: &Fitted, k: usize) -> Vec<f64> {
 /// The general lack-of-fit test beside a stand.
 pub(crate) fn lack(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Lack {
     let samples = subset.samples(bench);
-    let scale: Vec<f64> = subset.gather(&stand.fitted.prediction).iter().copied().collect();
+    let scale: Vec<f64> = subset
+        .gather(&stand.fitted.prediction)
+        .iter()
+        .copied()
+        .collect();
     let names: Vec<String> = subset
         .runs
         .iter()
@@ -404,8 +425,7 @@ fn keep_dominant(bench: &Bench<'_>, subset: &Subset, selected: &mut Selected) {
         .iter()
         .find(|s| selected.stand.fitted.effects.first() == Some(&s.cause))
         .map_or(0.0, |s| {
-            selected.baseline.deviance
-                - selected.stand.deviance_of(bench, subset, &s.fitted)
+            selected.baseline.deviance - selected.stand.deviance_of(bench, subset, &s.fitted)
         });
     let alone = first_alone / (explained + selected.left.excess).max(1e-300);
     let several = selected.stand.fitted.effects.len() > 1;

@@ -14,7 +14,12 @@ use crate::scan::{Scan, extended};
 const ONE: f64 = 0.05;
 
 /// Groups of causes that the design ties together, with the experiment that would break each tie.
-pub(crate) fn ties(bench: &Bench<'_>, stand: &Stand, scan: &Scan, scatter: f64) -> Vec<Undecidable> {
+pub(crate) fn ties(
+    bench: &Bench<'_>,
+    stand: &Stand,
+    scan: &Scan,
+    scatter: f64,
+) -> Vec<Undecidable> {
     let mut causes: Vec<usize> = scan.candidates.iter().map(|c| c.cause).collect();
     causes.sort_unstable();
     causes.retain(|&c| !bench.catalogue[c].is_periodic());
@@ -103,7 +108,9 @@ fn remedy(lack: rig::Requirement) -> &'static str {
 
 fn absorbed_remedy(cause: &str) -> &'static str {
     match cause {
-        "force-gain" => "calibrate the force channel with a weight, or diagnose against a model identified elsewhere",
+        "force-gain" => {
+            "calibrate the force channel with a weight, or diagnose against a model identified elsewhere"
+        }
         "lean-angle" => "diagnose against a model identified on another specimen",
         "load-dependence" => "repeat two runs at twice the load",
         _ => "diagnose against a model identified elsewhere",
@@ -156,6 +163,11 @@ fn break_tie(bench: &Bench<'_>, stand: &Stand, scan: &Scan, a: usize, b: usize) 
     )
     .map_or_else(
         || "none of the runs that were considered".into(),
-        |p| format!("{} (the two would differ by {:.0} standard deviations)", p.text, p.distance),
+        |p| {
+            format!(
+                "{} (the two would differ by {:.0} standard deviations)",
+                p.text, p.distance
+            )
+        },
     )
 }

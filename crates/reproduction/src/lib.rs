@@ -13,6 +13,7 @@ pub mod claims;
 pub mod cli;
 pub mod compose;
 pub mod controls;
+mod diagnosis_page;
 pub mod engine;
 pub mod judge;
 pub mod judgements;

@@ -17,7 +17,7 @@ use super::rotations::Rotations;
 use super::scatter::gain_columns;
 
 /// Nodes per correlation length of the plate's field.
-pub(super) const NODES_PER_LENGTH: f64 = 3.0;
+pub(super) const NODES_PER_LENGTH: f64 = 4.0;
 /// With more runs than this the scatter's root is taken run by run (the coupling of runs through the plate's field is
 /// then left out of the scatter, not out of the field).
 const RUNS_TOGETHER: usize = 96;

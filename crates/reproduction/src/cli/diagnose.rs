@@ -1,9 +1,10 @@
 //! `diagnose`: what the simulation gets wrong in a campaign, why, and what an extended model gains.
 
-use diagnosis::{Diagnosis, Options};
+use diagnosis::{Design, Diagnosis, Options};
 
 use super::{DiagnoseArguments, Failure, Outcome, files};
 use crate::campaign_page::document;
+use crate::diagnosis_page;
 use crate::provenance;
 use crate::results::significant;
 
@@ -21,9 +22,10 @@ pub(super) fn run(arguments: &DiagnoseArguments) -> Result<Outcome, Failure> {
         ..Options::default()
     };
     if arguments.design {
-        return Err(Failure::Output(
-            "the design of a protocol cannot be examined yet".into(),
-        ));
+        let design = diagnosis::design(&campaign, &options).map_err(Failure::input)?;
+        print_design(&design);
+        files::json(arguments.json.as_deref(), &design)?;
+        return Ok(Outcome::Done);
     }
     eprintln!("diagnosing {} runs", campaign.runs.len());
     let diagnosed = diagnosis::diagnose_fully(&campaign, &options).map_err(Failure::input)?;
@@ -31,8 +33,54 @@ pub(super) fn run(arguments: &DiagnoseArguments) -> Result<Outcome, Failure> {
     print(answer);
     files::json(arguments.json.as_deref(), answer)?;
     files::json(arguments.extension.as_deref(), &diagnosed.extension)?;
-    let _ = (document, provenance::run);
+    let run = provenance::run(&super::root::root()?);
+    files::page(arguments.report.as_deref(), || {
+        let results = serde_json::to_value(answer).unwrap_or_default();
+        document(
+            &campaign,
+            "Diagnosis",
+            diagnosis_page::lead(answer),
+            "cargo xtask diagnose PACKAGE",
+            run,
+            vec![diagnosis_page::section(&campaign, &diagnosed)],
+            results,
+        )
+    })?;
     Ok(Outcome::Done)
+}
+
+/// Thresholds and the nearest rival of each cause: the whole matrix stands in the JSON.
+fn print_design(design: &Design) {
+    println!(
+        "{}: what this protocol could tell (law {}; forces not read, noise nominal)",
+        design.campaign, design.law
+    );
+    println!("cause | smallest size found in nine cases of ten | nearest rival (sine of the angle between the two)");
+    for (i, threshold) in design.thresholds.iter().enumerate() {
+        let size = threshold.size.map_or_else(
+            || "none: the law absorbs it".to_owned(),
+            |s| format!("{} {} {}", threshold.parameter, significant(s), threshold.unit),
+        );
+        let nearest = design.isolability.get(i).and_then(|row| {
+            row.iter()
+                .enumerate()
+                .filter(|(j, _)| *j != i && design.thresholds[*j].cause != threshold.cause)
+                .filter_map(|(j, s)| s.map(|s| (j, s)))
+                .min_by(|a, b| a.1.total_cmp(&b.1))
+        });
+        let rival = nearest.map_or_else(String::new, |(j, s)| {
+            format!("{} ({})", design.thresholds[j].cause, significant(s))
+        });
+        println!("{} | {size} | {rival}", threshold.cause);
+    }
+    for open in &design.undecidable {
+        println!(
+            "undecidable: {} ({}); would decide: {}",
+            open.causes.join(", "),
+            open.because,
+            open.experiment
+        );
+    }
 }
 
 fn print(answer: &Diagnosis) {

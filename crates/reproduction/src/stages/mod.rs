@@ -1,6 +1,7 @@
 //! The stages of the reproduction, one file each.
 
 mod audit;
+mod diagnosis;
 mod friction_curves;
 mod identification;
 mod materials;
@@ -16,5 +17,6 @@ pub fn all() -> Vec<&'static dyn Stage> {
         &identification::Identification,
         &validation::Validation,
         &materials::Materials,
+        &diagnosis::Diagnosis,
     ]
 }

@@ -1,0 +1,398 @@
+//! A diagnosis as a person would tell it: the chain with the guilty station marked, curves before and after with the
+//! noise band, rivals and what they lose, what remains unexplained and where, what to measure next.
+
+use campaign::Campaign;
+use diagnosis::answer::{Diagnosis, Finding};
+use diagnosis::{Curves, Diagnosed, Status};
+use report::figure::{Axis, Band, BarGroup, BarPlot, Figure, Ink, LinePlot, Provenance, Series};
+use report::{
+    Block, Cell, Chain, Column, NoticeKind, Section, Station, Suspect, SuspectState, Table, literal,
+};
+
+use crate::evidence_of;
+
+/// Stage and function that stand on every figure.
+const STAGE: &str = "diagnosis";
+/// Runs in the figure of curves: the first one each way.
+const SHOWN_RUNS: usize = 2;
+/// Points of a line.
+const SHOWN_POINTS: usize = 600;
+
+/// What the page says first.
+pub(crate) fn lead(answer: &Diagnosis) -> String {
+    let named: Vec<String> = answer.findings.iter().map(phrase).collect();
+    match answer.status {
+        Status::Consistent => "The law agrees with this campaign to within its noise: no cause is named, and no gain may be claimed. \
+             The table of hidden sizes says how large an effect of each cause could have gone unseen."
+            .to_owned(),
+        Status::Explained => format!("The law errs beyond the noise, and the error has a cause: {}.", named.join("; ")),
+        Status::Ambiguous => format!(
+            "The law errs beyond the noise. This protocol cannot tell its possible causes apart: {}.",
+            named.join("; ")
+        ),
+        Status::Unexplained if named.is_empty() => {
+            "The law errs beyond the noise, and no cause of the catalogue explains the error: it stays without a name."
+                .to_owned()
+        }
+        Status::Unexplained => format!(
+            "A part of the error has a cause ({}), and structure is left that no cause of the catalogue explains.",
+            named.join("; ")
+        ),
+    }
+}
+
+fn phrase(finding: &Finding) -> String {
+    if finding.equivalent.is_empty() {
+        format!("`{}`", finding.cause)
+    } else {
+        format!("`{}`, or as well `{}`", finding.cause, finding.equivalent.join("`, `"))
+    }
+}
+
+/// The blocks of one campaign's diagnosis; `prefix` keeps ids apart on a page with several.
+pub(crate) fn blocks(campaign: &Campaign, diagnosed: &Diagnosed, prefix: &str) -> Vec<Block> {
+    let answer = &diagnosed.answer;
+    let mut blocks = vec![Block::Chain(chain(answer, prefix))];
+    for note in &answer.notes {
+        blocks.push(Block::notice(NoticeKind::Note, "Note", literal(note)));
+    }
+    if answer.unexplained.detected
+        && let Some(place) = &answer.unexplained.r#where
+    {
+        blocks.push(Block::notice(
+            NoticeKind::Refusal,
+            "Left without a name",
+            format!(
+                "Structure is left along {}; the table of findings gives the stretch. Nothing in the catalogue explains it.",
+                literal(&place.axis)
+            ),
+        ));
+    }
+    if !answer.findings.is_empty() || answer.unexplained.detected {
+        blocks.push(findings(answer, prefix).into());
+        blocks.push(curves(campaign, &diagnosed.curves, prefix).into());
+    }
+    if answer.findings.iter().any(|f| !f.evidence.rivals.is_empty()) {
+        blocks.push(rivals(answer, prefix).into());
+    }
+    if !answer.anatomy.is_empty() {
+        blocks.push(shares(campaign, answer, prefix).into());
+    }
+    if !answer.laws.is_empty() {
+        blocks.push(laws(answer, prefix).into());
+    }
+    if answer.status == Status::Consistent {
+        blocks.push(hidden(answer, prefix).into());
+    }
+    if !answer.undecidable.is_empty() {
+        blocks.push(undecidable(answer, prefix).into());
+    }
+    blocks
+}
+
+/// A section of its own for one campaign.
+pub(crate) fn section(campaign: &Campaign, diagnosed: &Diagnosed) -> Section {
+    Section {
+        id: "diagnosis".into(),
+        title: "What the simulation gets wrong".into(),
+        lead: lead(&diagnosed.answer).into(),
+        blocks: blocks(campaign, diagnosed, "diagnosis"),
+        ..Section::default()
+    }
+}
+
+fn chain(answer: &Diagnosis, prefix: &str) -> Chain {
+    let roles = [
+        ("stage", "moves the plate"),
+        ("coupling", "holds the specimen"),
+        ("law", "makes friction of speed"),
+        ("surface", "gives the place its friction"),
+        ("history", "remembers what went before"),
+        ("load", "presses"),
+        ("sensor", "reads the force"),
+        ("clock", "stamps the time"),
+    ];
+    let state = |id: &str| -> (SuspectState, &'static str) {
+        if answer.findings.iter().any(|f| f.cause == id) {
+            (SuspectState::Found, "explains the error")
+        } else if answer.findings.iter().any(|f| f.equivalent.iter().any(|e| e == id)) {
+            (SuspectState::Equivalent, "explains it as well")
+        } else if answer.undecidable.iter().any(|u| u.causes.iter().any(|c| c == id)) {
+            (SuspectState::Undecidable, "this protocol cannot tell")
+        } else {
+            (SuspectState::RuledOut, "not needed")
+        }
+    };
+    let catalogue = diagnosis::causes::catalogue();
+    let stations = roles
+        .iter()
+        .map(|(name, role)| {
+            let mut ids: Vec<&str> = catalogue
+                .iter()
+                .filter(|c| c.station().id() == *name)
+                .map(|c| c.id())
+                .collect();
+            ids.dedup();
+            let mut suspects: Vec<Suspect> = ids
+                .into_iter()
+                .map(|id| {
+                    let (state, note) = state(id);
+                    Suspect {
+                        label: id.into(),
+                        state,
+                        note: note.into(),
+                    }
+                })
+                .collect();
+            suspects.sort_by_key(|s| {
+                !matches!(s.state, SuspectState::Found | SuspectState::Equivalent)
+            });
+            Station {
+                name: (*name).into(),
+                role: (*role).into(),
+                suspects,
+            }
+        })
+        .collect();
+    Chain {
+        id: format!("{prefix}-chain"),
+        caption: "The measurement chain, from the stage to the recorded force, with the suspects at each station.".into(),
+        stations,
+    }
+}
+
+fn interval(value: f64, ci95: Option<[f64; 2]>) -> Cell {
+    ci95.map_or_else(|| Cell::from(value), |ci| Cell::Interval(value, ci))
+}
+
+fn findings(answer: &Diagnosis, prefix: &str) -> Table {
+    let mut rows = Vec::new();
+    for finding in &answer.findings {
+        for (k, parameter) in finding.parameters.iter().enumerate() {
+            let first = k == 0;
+            let gain = finding.gain.as_ref().and_then(|g| g.explained_fraction);
+            rows.push(vec![
+                if first { finding.cause.clone().into() } else { "".into() },
+                parameter.name.clone().into(),
+                interval(parameter.value, parameter.ci95),
+                parameter.unit.clone().into(),
+                if first { finding.probability.into() } else { "".into() },
+                match (first, gain) {
+                    (true, Some(g)) => g.into(),
+                    (true, None) => Cell::Missing("not judged: no run can be left out, or within the floor's uncertainty".into()),
+                    _ => "".into(),
+                },
+                if first {
+                    finding.experiment.clone().unwrap_or_default().into()
+                } else {
+                    "".into()
+                },
+            ]);
+        }
+    }
+    if let Some(place) = answer.unexplained.r#where.as_ref().filter(|_| answer.unexplained.detected) {
+        rows.push(vec![
+            "(unexplained)".into(),
+            format!("along {}", place.axis).into(),
+            Cell::Interval(0.5 * (place.from + place.to), [place.from, place.to]),
+            place.unit.clone().into(),
+            "".into(),
+            "".into(),
+            "".into(),
+        ]);
+    }
+    Table {
+        id: format!("{prefix}-findings"),
+        title: "What was found".into(),
+        caption: "Named causes with their sizes (95 % intervals), their posterior weight (none of these counted), the share of the \
+                  explainable error that each removes on runs left out, and the run that would separate it from causes that explain \
+                  the campaign as well."
+            .into(),
+        columns: vec![
+            Column::text("cause"),
+            Column::text("parameter"),
+            Column::number("value", ""),
+            Column::text("unit"),
+            Column::number("weight", ""),
+            Column::number("gain", "1"),
+            Column::text("next experiment"),
+        ],
+        rows,
+        provenance: Some(Provenance::here(STAGE, "findings")),
+        ..Table::default()
+    }
+}
+
+fn rivals(answer: &Diagnosis, prefix: &str) -> Table {
+    let rows = answer
+        .findings
+        .iter()
+        .flat_map(|finding| {
+            finding.evidence.rivals.iter().take(5).map(|rival| {
+                vec![
+                    finding.cause.clone().into(),
+                    rival.cause.clone().into(),
+                    rival.delta.into(),
+                    rival.separation.map_or(Cell::Missing("not computed".into()), Cell::from),
+                ]
+            })
+        })
+        .collect();
+    Table {
+        id: format!("{prefix}-rivals"),
+        title: "Rivals and what they lose".into(),
+        caption: "Log-likelihood of the campaign with the rival in the cause's place, less that with the cause; and how far apart the \
+                  two predictions stay when the rival imitates the cause as well as it can, in standard deviations of the noise."
+            .into(),
+        columns: vec![
+            Column::text("cause"),
+            Column::text("rival"),
+            Column::number("log-likelihood lost", ""),
+            Column::number("separation", "sd"),
+        ],
+        rows,
+        provenance: Some(Provenance::here(STAGE, "rivals")),
+        ..Table::default()
+    }
+}
+
+fn laws(answer: &Diagnosis, prefix: &str) -> Table {
+    Table {
+        id: format!("{prefix}-laws"),
+        title: "All laws on this campaign".into(),
+        caption: "Each law fitted alone under one noise model: error of the fit, and corrected Akaike criterion above the best law's.".into(),
+        columns: vec![
+            Column::text("law"),
+            Column::number("error", &answer.noise_floor.unit),
+            Column::number("criterion above best", ""),
+        ],
+        rows: answer
+            .laws
+            .iter()
+            .map(|l| vec![l.law.clone().into(), l.rmse.into(), l.delta_aicc.into()])
+            .collect(),
+        provenance: Some(Provenance::here(STAGE, "laws")),
+        ..Table::default()
+    }
+}
+
+fn hidden(answer: &Diagnosis, prefix: &str) -> Table {
+    Table {
+        id: format!("{prefix}-hidden"),
+        title: "What could have hidden".into(),
+        caption: "For each cause the size that this campaign would have shown in nine cases of ten.".into(),
+        columns: vec![
+            Column::text("cause"),
+            Column::text("parameter"),
+            Column::number("size", ""),
+            Column::text("unit"),
+        ],
+        rows: answer
+            .hidden
+            .iter()
+            .map(|h| {
+                vec![
+                    h.cause.clone().into(),
+                    h.parameter.clone().into(),
+                    h.size.map_or(Cell::Missing("no size: the law absorbs it".into()), Cell::from),
+                    h.unit.clone().into(),
+                ]
+            })
+            .collect(),
+        provenance: Some(Provenance::here(STAGE, "hidden")),
+        ..Table::default()
+    }
+}
+
+fn undecidable(answer: &Diagnosis, prefix: &str) -> Table {
+    Table {
+        id: format!("{prefix}-undecidable"),
+        title: "What this protocol cannot decide, and what would".into(),
+        caption: "Causes that this protocol ties together or cannot show, and the cheapest experiment that breaks each tie.".into(),
+        columns: vec![Column::text("causes"), Column::text("because"), Column::text("experiment")],
+        rows: answer
+            .undecidable
+            .iter()
+            .map(|u| vec![u.causes.join(", ").into(), u.because.clone().into(), u.experiment.clone().into()])
+            .collect(),
+        provenance: Some(Provenance::here(STAGE, "undecidable")),
+        ..Table::default()
+    }
+}
+
+/// Recorded force, law alone, law with the named causes and the noise band, the first run each way.
+fn curves(campaign: &Campaign, curves: &Curves, prefix: &str) -> Figure {
+    let mut shown: Vec<usize> = Vec::new();
+    for direction in [campaign::Direction::Forward, campaign::Direction::Reverse] {
+        shown.extend(campaign.runs.iter().position(|r| r.direction == direction));
+    }
+    if shown.is_empty() {
+        shown.push(0);
+    }
+    shown.truncate(SHOWN_RUNS);
+    let mut series = Vec::new();
+    let mut bands = Vec::new();
+    for (place, &k) in shown.iter().enumerate() {
+        let run = curves.runs[k].clone();
+        let step = run.len().div_ceil(SHOWN_POINTS).max(1);
+        let points = |y: &[f64]| -> Vec<[f64; 2]> {
+            run.clone().step_by(step).map(|i| [curves.time_s[i], y[i]]).collect()
+        };
+        let label = |text: &str| if place == 0 { text.to_owned() } else { String::new() };
+        bands.push(Band {
+            label: label("noise, 95 %"),
+            points: run
+                .clone()
+                .step_by(step)
+                .map(|i| {
+                    let (m, h) = (curves.extended[i], curves.band[i]);
+                    [curves.time_s[i], m - h, m + h]
+                })
+                .collect(),
+            ink: Ink::EXTENDED,
+        });
+        series.push(Series::dots(&label("recorded"), Ink::DATA, points(&curves.measured)));
+        series.push(Series::line(&label("law alone"), Ink::FORWARD, points(&curves.law)));
+        series.push(Series::line(&label("law with the named causes"), Ink::EXTENDED, points(&curves.extended)));
+    }
+    let unit = match campaign.axis {
+        campaign::Axis::Linear => "N",
+        campaign::Axis::Rotary => "N m",
+    };
+    let mut plot = LinePlot::new(Axis::new("time in the run", "s"), Axis::new("force", unit), series);
+    plot.bands = bands;
+    Figure::new(
+        &format!("{prefix}-curves"),
+        "Before and after",
+        "Recorded force, the law alone, and the law with the named causes within the noise band; the first run each way.",
+        evidence_of(campaign.provenance),
+        plot,
+        Provenance::here(STAGE, "curves"),
+    )
+}
+
+/// Shares of the explainable error along each axis.
+fn shares(campaign: &Campaign, answer: &Diagnosis, prefix: &str) -> Figure {
+    let groups = vec![BarGroup {
+        label: "law alone".into(),
+        ink: Ink::FORWARD,
+        values: answer.anatomy.iter().map(|s| Some(s.share)).collect(),
+        intervals: Vec::new(),
+    }];
+    let plot = BarPlot {
+        categories: answer.anatomy.iter().map(|s| s.axis.clone()).collect(),
+        category_label: "axis".into(),
+        y: Axis::new("share of the explainable error", "1").between(0.0, 1.0),
+        groups,
+        ..BarPlot::default()
+    };
+    Figure::new(
+        &format!("{prefix}-anatomy"),
+        "Where the error of the law alone lies",
+        "Share of the explainable error (total less noise floor) that the means in bins along each axis hold. In a ramp, time, place and \
+         speed are one another, so shares overlap.",
+        evidence_of(campaign.provenance),
+        plot,
+        Provenance::here(STAGE, "shares"),
+    )
+}
