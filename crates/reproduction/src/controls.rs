@@ -113,12 +113,7 @@ fn inflict(
     match damage {
         Damage::Printed(id, printed) => {
             let damaged = published.altered(id, printed)?;
-            found.extend(
-                audit::examine(&damaged)?
-                    .values
-                    .into_iter()
-                    .map(|value| (value.id.clone(), value)),
-            );
+            found.extend(audited(&damaged)?);
             Ok((damaged, found))
         }
         Damage::Found(id, number) => {
@@ -129,6 +124,15 @@ fn inflict(
             Ok((published.clone(), found))
         }
     }
+}
+
+/// What the audit finds in published numbers, by id.
+///
+/// # Errors
+/// Where a published number is missing.
+pub fn audited(published: &Published) -> Result<BTreeMap<String, Value>, PublishedError> {
+    let values = audit::examine(published)?.values;
+    Ok(values.into_iter().map(|value| (value.id.clone(), value)).collect())
 }
 
 /// Verdicts by claim.

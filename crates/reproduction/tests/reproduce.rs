@@ -1,0 +1,166 @@
+//! The main job: verdicts as pinned, the same bytes from any number of threads, the comparison with an earlier report.
+
+mod program;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+use program::{Answer, run};
+use reproduction::claims;
+use reproduction::judgements::{Facts, judge};
+use reproduction::published::Published;
+use reproduction::{Value, Verdict};
+use tempfile::TempDir;
+
+/// One whole reproduction, shared by the tests; its stages are kept from one test run to the next by content.
+fn whole() -> &'static (PathBuf, Answer) {
+    static WHOLE: OnceLock<(PathBuf, Answer)> = OnceLock::new();
+    WHOLE.get_or_init(|| {
+        let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("reproduction");
+        let answer = run(&["reproduce", "--out", out.to_str().unwrap()]);
+        (out, answer)
+    })
+}
+
+#[test]
+fn verdicts_and_values_are_as_pinned() {
+    let (out, answer) = whole();
+    assert_eq!(answer.code, 0, "{}\n{}", answer.stdout, answer.stderr);
+    assert_eq!(answer.stdout.lines().count(), 5, "five lines: {}", answer.stdout);
+    for file in ["report.html", "results.json", "ro-crate-metadata.json", "codecheck.yml", "test-result.json"] {
+        assert!(out.join(file).is_file(), "{file}");
+    }
+    let results: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(out.join("results.json")).unwrap()).unwrap();
+    assert_eq!(results["claims"].as_array().unwrap().len(), 22);
+    let not_run = results["claims"].as_array().unwrap().iter().filter(|claim| claim["verdict"] == "not run").count();
+    assert_eq!(not_run, 0, "every claim was run");
+}
+
+#[test]
+fn a_second_run_keeps_everything_and_changes_nothing() {
+    let (out, _) = whole();
+    let before = stable(out);
+    let page = out.join("report.html");
+    let again = run(&["reproduce", "--out", out.to_str().unwrap(), "--against", page.to_str().unwrap()]);
+    assert!(again.stdout.starts_with("against report.html: nothing changed"), "{}", again.stdout);
+    let fresh = again.stderr.lines().filter(|line| line.contains(" s ") && !line.contains("(kept)")).count();
+    assert_eq!(fresh, 0, "{}", again.stderr);
+    let after = stable(out);
+    for (path, text) in before.iter().filter(|(path, _)| path.as_str() != "report.html") {
+        assert_eq!(Some(text), after.get(path), "{path}");
+    }
+}
+
+/// Files of an output folder without volatile facts.
+fn stable(out: &Path) -> BTreeMap<String, String> {
+    let mut files = BTreeMap::new();
+    for part in ["", "tables", "figures"] {
+        let Ok(entries) = fs::read_dir(out.join(part)) else { continue };
+        for entry in entries.map(Result::unwrap).filter(|entry| entry.path().is_file()) {
+            let name = format!("{part}/{}", entry.file_name().to_string_lossy()).trim_start_matches('/').to_owned();
+            let text = fs::read_to_string(entry.path()).unwrap();
+            let text = match name.as_str() {
+                "results.json" => {
+                    let mut json: serde_json::Value = serde_json::from_str(&text).unwrap();
+                    json.as_object_mut().unwrap().remove("run");
+                    json.to_string()
+                }
+                "report.html" => without_run(&text),
+                _ if part.is_empty() => continue,
+                _ => text,
+            };
+            files.insert(name, text);
+        }
+    }
+    files
+}
+
+/// The page without its one block of volatile facts.
+fn without_run(page: &str) -> String {
+    let start = page.find("<!-- volatile:begin -->").expect("the block is marked");
+    let end = page.find("<!-- volatile:end -->").expect("the block ends");
+    format!("{}{}", &page[..start], &page[end..])
+}
+
+#[test]
+fn one_thread_and_two_give_the_same_bytes() {
+    let folder = TempDir::new().unwrap();
+    let outs = ["1", "2"].map(|threads| {
+        let out = folder.path().join(threads);
+        let answer = run(&["reproduce", "--quick", "--threads", threads, "--out", out.to_str().unwrap()]);
+        assert!(answer.code == 0 || answer.code == 1, "{answer:?}");
+        stable(&out)
+    });
+    assert!(!outs[0].is_empty());
+    for (path, text) in &outs[0] {
+        assert!(outs[1].get(path) == Some(text), "{path} depends on the number of threads");
+    }
+    assert_eq!(outs[0].len(), outs[1].len());
+}
+
+#[test]
+fn against_a_report_with_one_altered_value_names_it_and_what_it_flips() {
+    let (out, _) = whole();
+    let page = fs::read_to_string(out.join("report.html")).unwrap();
+    let json: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(out.join("results.json")).unwrap()).unwrap();
+    let value = json["values"].as_array().unwrap().iter().find(|value| value["id"] == "audit.brushes_missing").unwrap();
+    let own = value.to_string();
+    let mut altered = value.clone();
+    altered["value"] = serde_json::json!(0.0);
+    assert!(page.contains(&own), "the page embeds its results");
+    let page = page.replacen(&own, &altered.to_string(), 1).replacen(
+        &json["claims"].as_array().unwrap().iter().find(|claim| claim["id"] == "C16").unwrap().to_string(),
+        &{
+            let mut claim = json["claims"].as_array().unwrap().iter().find(|claim| claim["id"] == "C16").unwrap().clone();
+            claim["verdict"] = serde_json::json!("reproduced");
+            claim.to_string()
+        },
+        1,
+    );
+    let folder = TempDir::new().unwrap();
+    let old = folder.path().join("old.html");
+    fs::write(&old, page).unwrap();
+    let copy = folder.path().join("out");
+    let answer = run(&["reproduce", "--stage", "audit", "--out", copy.to_str().unwrap(), "--against", old.to_str().unwrap()]);
+    assert!(answer.stdout.contains("audit.brushes_missing: 0 -> 3"), "{}", answer.stdout);
+    assert!(answer.stdout.contains("flips C16"), "{}", answer.stdout);
+}
+
+/// Altering one number in published.toml flips exactly its claims: none that does not list it, whatever the number.
+#[test]
+fn a_published_number_moves_only_the_claims_that_list_it() {
+    let (out, _) = whole();
+    let root = program::root();
+    let published = Published::read(&root.join("data/published.toml")).unwrap();
+    let claims = claims::read(&root.join("data/claims.toml")).unwrap();
+    let json: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(out.join("results.json")).unwrap()).unwrap();
+    let values: Vec<Value> = serde_json::from_value(json["values"].clone()).unwrap();
+    let values: BTreeMap<String, Value> =
+        values.into_iter().map(|value| (value.id.clone(), value)).collect();
+    let verdicts = |published: &Published, values: &BTreeMap<String, Value>| -> BTreeMap<String, Verdict> {
+        let facts = Facts { published, values };
+        claims.iter().map(|claim| (claim.id.clone(), judge(claim, &facts).unwrap().verdict)).collect()
+    };
+    let before = verdicts(&published, &values);
+    let mut moved = 0;
+    for (id, number) in published.iter() {
+        for factor in [0.5, 2.0] {
+            let altered = published.altered(id, &format!("{:.6}", factor * number.value)).unwrap();
+            let mut found = values.clone();
+            found.extend(reproduction::controls::audited(&altered).unwrap());
+            let after = verdicts(&altered, &found);
+            for claim in &claims {
+                if before[&claim.id] != after[&claim.id] {
+                    moved += 1;
+                    assert!(claim.published.iter().any(|listed| listed == id), "{id} x {factor} moved {}, which does not list it", claim.id);
+                }
+            }
+        }
+    }
+    assert!(moved >= 20, "the ledger reacts to what is printed: {moved} moves");
+}
