@@ -1,41 +1,69 @@
 //! Dispatcher: passes the verb on to the release build of the real program.
 //!
-//! No dependencies, so that the first answer to `cargo xtask help` takes a second. Verbs of the planting package
-//! (which the program may not depend on) and of the benchmarks are separate programs; everything else is `bristle`.
+//! No dependencies, so that the first answer to `cargo xtask help` takes a second. What plants effects lives in packages
+//! that the program may not depend on: those verbs are separate programs; everything else is `bristle`.
 
 use std::process::{Command, ExitCode};
 
-/// Which program answers a verb: (package, binary).
-fn program(verb: Option<&str>) -> (&'static str, &'static str) {
-    match verb {
-        Some("stand-ins") => ("planting", "planting"),
-        _ => ("reproduction", "bristle"),
+/// Which program answers: package, binary, and how many words it does not need to see.
+fn program(arguments: &[String]) -> (&'static str, &'static str, usize) {
+    let words: Vec<&str> = arguments.iter().take(2).map(String::as_str).collect();
+    match words.as_slice() {
+        ["stand-ins", ..] => ("planting", "planting", 0),
+        ["bench", "hidden-effects"] => ("whole-program", "hidden_effects", 2),
+        _ => ("reproduction", "bristle", 0),
     }
 }
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let (package, binary) = program(arguments.first().map(String::as_str));
+    let mut arguments: Vec<String> = std::env::args().skip(1).collect();
+    if arguments.is_empty() {
+        arguments.push("help".to_owned());
+    }
+    let (package, binary, known) = program(&arguments);
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let status = Command::new(cargo)
-        .args([
-            "run",
-            "--quiet",
-            "--release",
-            "--package",
-            package,
-            "--bin",
-            binary,
-            "--",
-        ])
-        .args(&arguments)
-        .status();
-    match status {
+    let build = [
+        "run",
+        "--quiet",
+        "--release",
+        "--package",
+        package,
+        "--bin",
+        binary,
+        "--",
+    ];
+    match Command::new(cargo)
+        .args(build)
+        .args(&arguments[known..])
+        .status()
+    {
         // A signal leaves no code: report it as "no result could be written".
-        Ok(status) => ExitCode::from(u8::try_from(status.code().unwrap_or(3)).unwrap_or(3)),
+        Ok(status) => ExitCode::from(
+            status
+                .code()
+                .and_then(|code| u8::try_from(code).ok())
+                .unwrap_or(3),
+        ),
         Err(error) => {
             eprintln!("xtask: cargo could not be started: {error}");
             ExitCode::from(3)
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::program;
+
+    #[test]
+    fn planting_is_never_asked_for_anything_else() {
+        let of = |line: &str| program(&line.split(' ').map(str::to_owned).collect::<Vec<_>>());
+        assert_eq!(of("stand-ins --check").0, "planting");
+        assert_eq!(
+            of("bench hidden-effects --limit 3"),
+            ("whole-program", "hidden_effects", 2)
+        );
+        assert_eq!(of("bench ramp"), ("reproduction", "bristle", 0));
+        assert_eq!(of("reproduce"), ("reproduction", "bristle", 0));
     }
 }

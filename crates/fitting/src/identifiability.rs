@@ -64,6 +64,10 @@ pub fn identifiability(jacobian: &DMatrix<f64>, scales: &[f64]) -> Identifiabili
     let mut scaled = jacobian.clone();
     for (mut column, scale) in scaled.column_iter_mut().zip(scales) {
         column *= *scale;
+        // A derivative that is no number says nothing about its parameter; it must not spoil what the others say.
+        if column.iter().any(|entry| !entry.is_finite()) {
+            column.fill(0.0);
+        }
     }
     // A sensitivity that is no number says nothing: it counts as none.
     scaled.apply(|x| {

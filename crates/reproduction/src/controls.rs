@@ -132,7 +132,10 @@ fn inflict(
 /// Where a published number is missing.
 pub fn audited(published: &Published) -> Result<BTreeMap<String, Value>, PublishedError> {
     let values = audit::examine(published)?.values;
-    Ok(values.into_iter().map(|value| (value.id.clone(), value)).collect())
+    Ok(values
+        .into_iter()
+        .map(|value| (value.id.clone(), value))
+        .collect())
 }
 
 /// Verdicts by claim.

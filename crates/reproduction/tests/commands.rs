@@ -7,7 +7,16 @@ use std::fs;
 use program::{package, root, run};
 use tempfile::TempDir;
 
-const COMMANDS: [&str; 8] = ["reproduce", "claim", "identify", "diagnose", "simulate", "init", "check", "bench"];
+const COMMANDS: [&str; 8] = [
+    "reproduce",
+    "claim",
+    "identify",
+    "diagnose",
+    "simulate",
+    "init",
+    "check",
+    "bench",
+];
 
 #[test]
 fn help_lists_every_command_and_each_explains_itself() {
@@ -30,15 +39,31 @@ fn wrong_names_bring_the_nearest_right_ones() {
     package(folder.path());
     let home = folder.path().to_str().unwrap();
     let cases: [(&[&str], &str); 4] = [
-        (&["reproduce", "--stage", "enveloppe"], "no stage is called `enveloppe`; the nearest name is `envelope`"),
-        (&["claim", "C23"], "no claim is called `C23`; the nearest name is `C"),
-        (&["identify", home, "--law", "lugree"], "no law is called `lugree`; the nearest name is `lugre`"),
-        (&["diagnose", home, "--law", "dal"], "no law is called `dal`; the nearest name is `dahl`"),
+        (
+            &["reproduce", "--stage", "enveloppe"],
+            "no stage is called `enveloppe`; the nearest name is `envelope`",
+        ),
+        (
+            &["claim", "C23"],
+            "no claim is called `C23`; the nearest name is `C",
+        ),
+        (
+            &["identify", home, "--law", "lugree"],
+            "no law is called `lugree`; the nearest name is `lugre`",
+        ),
+        (
+            &["diagnose", home, "--law", "dal"],
+            "no law is called `dal`; the nearest name is `dahl`",
+        ),
     ];
     for (command, message) in cases {
         let answer = run(command);
         assert_eq!(answer.code, 2, "{command:?}");
-        assert!(answer.stderr.contains(message), "{command:?}: {}", answer.stderr);
+        assert!(
+            answer.stderr.contains(message),
+            "{command:?}: {}",
+            answer.stderr
+        );
     }
     let answer = run(&["reprodce"]);
     assert_eq!(answer.code, 2);
@@ -50,45 +75,103 @@ fn a_claim_prints_verdict_evidence_and_cost() {
     let folder = TempDir::new().unwrap();
     let answer = run(&["claim", "c16", "--out", folder.path().to_str().unwrap()]);
     assert_eq!(answer.code, 0, "{answer:?}");
-    for line in ["verdict    contradicted", "evidence   published", "cost       "] {
+    for line in [
+        "verdict    contradicted",
+        "evidence   published",
+        "cost       ",
+    ] {
         assert!(answer.stdout.contains(line), "{}", answer.stdout);
     }
-    assert!(answer.stdout.contains("stages: audit\n"), "only what the claim needs: {}", answer.stdout);
+    assert!(
+        answer.stdout.contains("stages: audit\n"),
+        "only what the claim needs: {}",
+        answer.stdout
+    );
 }
 
 #[test]
 fn from_plain_files_to_parameters() {
     let folder = TempDir::new().unwrap();
     package(&folder.path().join("by-hand"));
-    let csv = |name: &str| folder.path().join(format!("by-hand/runs/{name}.csv")).to_str().unwrap().to_owned();
+    let csv = |name: &str| {
+        folder
+            .path()
+            .join(format!("by-hand/runs/{name}.csv"))
+            .to_str()
+            .unwrap()
+            .to_owned()
+    };
     let package = folder.path().join("package");
-    let made = run(&["init", package.to_str().unwrap(), &csv("0-forward"), &csv("1-reverse"), &csv("2-forward")]);
+    let made = run(&[
+        "init",
+        package.to_str().unwrap(),
+        &csv("0-forward"),
+        &csv("1-reverse"),
+        &csv("2-forward"),
+    ]);
     assert_eq!(made.code, 0, "{made:?}");
-    assert!(made.stdout.contains("direction reverse, protocol ramp"), "{}", made.stdout);
-    assert!(made.stdout.contains("optional  run.normal_load_n"), "{}", made.stdout);
+    assert!(
+        made.stdout.contains("direction reverse, protocol ramp"),
+        "{}",
+        made.stdout
+    );
+    assert!(
+        made.stdout.contains("optional  run.normal_load_n"),
+        "{}",
+        made.stdout
+    );
     let checked = run(&["check", package.to_str().unwrap()]);
     assert_eq!(checked.code, 0, "{checked:?}");
-    assert!(checked.stdout.contains("3 runs, 600 samples, 2 conditions"), "{}", checked.stdout);
+    assert!(
+        checked.stdout.contains("3 runs, 600 samples, 2 conditions"),
+        "{}",
+        checked.stdout
+    );
     let json = folder.path().join("answer.json");
     let report = folder.path().join("answer.html");
     let model = folder.path().join("model.json");
     let answer = run(&[
-        "identify", package.to_str().unwrap(), "--law", "coulomb-viscous",
-        "--json", json.to_str().unwrap(), "--report", report.to_str().unwrap(), "--model-out", model.to_str().unwrap(),
+        "identify",
+        package.to_str().unwrap(),
+        "--law",
+        "coulomb-viscous",
+        "--json",
+        json.to_str().unwrap(),
+        "--report",
+        report.to_str().unwrap(),
+        "--model-out",
+        model.to_str().unwrap(),
     ]);
     assert_eq!(answer.code, 0, "{answer:?}");
     let json: serde_json::Value = serde_json::from_str(&fs::read_to_string(json).unwrap()).unwrap();
     assert_eq!(json["schema"], "bristle/identification/1");
     let coulomb = json["parameters"][0]["value"].as_f64().unwrap();
-    assert!((coulomb - 1.2).abs() < 0.02, "the record was made with 1.2 N: {coulomb}");
-    assert!(fs::read_to_string(report).unwrap().contains("An honest word about the fit"));
+    assert!(
+        (coulomb - 1.2).abs() < 0.02,
+        "the record was made with 1.2 N: {coulomb}"
+    );
+    assert!(
+        fs::read_to_string(report)
+            .unwrap()
+            .contains("An honest word about the fit")
+    );
 
     let out = folder.path().join("predicted");
-    let simulated =
-        run(&["simulate", package.to_str().unwrap(), "--model", model.to_str().unwrap(), "--out", out.to_str().unwrap()]);
+    let simulated = run(&[
+        "simulate",
+        package.to_str().unwrap(),
+        "--model",
+        model.to_str().unwrap(),
+        "--out",
+        out.to_str().unwrap(),
+    ]);
     assert_eq!(simulated.code, 0, "{simulated:?}");
     let predicted = run(&["check", out.to_str().unwrap()]);
-    assert!(predicted.stdout.contains("synthetic"), "a prediction says that it is none: {}", predicted.stdout);
+    assert!(
+        predicted.stdout.contains("synthetic"),
+        "a prediction says that it is none: {}",
+        predicted.stdout
+    );
 }
 
 /// A public tribometer record lies beside some working copies; it is not the project's to ship.
@@ -102,11 +185,26 @@ fn a_real_tribometer_record_is_checked_and_identified() {
     let home = package.to_str().unwrap();
     let checked = run(&["check", home]);
     assert_eq!(checked.code, 0, "{checked:?}");
-    assert!(checked.stdout.contains("9 runs, 39600 samples"), "{}", checked.stdout);
+    assert!(
+        checked.stdout.contains("9 runs, 39600 samples"),
+        "{}",
+        checked.stdout
+    );
     let folder = TempDir::new().unwrap();
     let report = folder.path().join("report.html");
-    let answer = run(&["identify", home, "--law", "lugre", "--report", report.to_str().unwrap()]);
+    let answer = run(&[
+        "identify",
+        home,
+        "--law",
+        "lugre",
+        "--report",
+        report.to_str().unwrap(),
+    ]);
     assert_eq!(answer.code, 0, "{answer:?}");
     assert!(answer.stdout.contains("sigma0"), "{}", answer.stdout);
-    assert!(fs::read_to_string(report).unwrap().contains("What the law leaves"));
+    assert!(
+        fs::read_to_string(report)
+            .unwrap()
+            .contains("What the law leaves")
+    );
 }

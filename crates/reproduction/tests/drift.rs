@@ -35,7 +35,9 @@ fn equal(reference: &str, test: &str) -> bool {
             let ((old_words, a), (new_words, b)) = (parts(old), parts(new));
             let id = old.split(": ").next().unwrap_or_default();
             let close = match (a, b) {
-                (Some(a), Some(b)) => (a - b).abs() <= allowed(id) * a.abs().max(b.abs()) + f64::MIN_POSITIVE,
+                (Some(a), Some(b)) => {
+                    (a - b).abs() <= allowed(id) * a.abs().max(b.abs()) + f64::MIN_POSITIVE
+                }
                 _ => old == new,
             };
             old_words == new_words && close
@@ -44,12 +46,19 @@ fn equal(reference: &str, test: &str) -> bool {
 
 /// Across targets the last digits of an optimum move more than from run to run.
 fn allowed(id: &str) -> f64 {
-    if id.starts_with("work.") { 0.0 } else { 10.0 * tolerance(id) }
+    if id.starts_with("work.") {
+        0.0
+    } else {
+        10.0 * tolerance(id)
+    }
 }
 
 impl Comparator for Quantities {
     fn matches(&self, reference: &insta::Snapshot, test: &insta::Snapshot) -> bool {
-        equal(&reference.contents().to_string(), &test.contents().to_string())
+        equal(
+            &reference.contents().to_string(),
+            &test.contents().to_string(),
+        )
     }
 
     fn dyn_clone(&self) -> Box<dyn Comparator> {
@@ -68,18 +77,38 @@ fn lines(results: &Json) -> String {
     let text = |entry: &Json, key: &str| entry[key].as_str().unwrap_or_default().to_owned();
     let array = |key: &str| results[key].as_array().cloned().unwrap_or_default();
     let mut lines = Vec::new();
-    for value in array("values").iter().filter(|value| !text(value, "id").starts_with("published.")) {
-        lines.push(format!("{}: {} {} {}", text(value, "id"), value["value"], text(value, "unit"), text(value, "evidence")));
+    for value in array("values")
+        .iter()
+        .filter(|value| !text(value, "id").starts_with("published."))
+    {
+        lines.push(format!(
+            "{}: {} {} {}",
+            text(value, "id"),
+            value["value"],
+            text(value, "unit"),
+            text(value, "evidence")
+        ));
     }
     for stage in array("stages") {
         let work: BTreeMap<String, Json> = serde_json::from_value(stage["work"].clone()).unwrap();
         for (name, count) in work {
-            lines.push(format!("work.{}.{name}: {count} counted", text(&stage, "id")));
+            lines.push(format!(
+                "work.{}.{name}: {count} counted",
+                text(&stage, "id")
+            ));
         }
-        lines.push(format!("stage {}: {}", text(&stage, "id"), text(&stage, "status")));
+        lines.push(format!(
+            "stage {}: {}",
+            text(&stage, "id"),
+            text(&stage, "status")
+        ));
     }
     for claim in array("claims") {
-        lines.push(format!("claim {}: {}", text(&claim, "id"), text(&claim, "verdict")));
+        lines.push(format!(
+            "claim {}: {}",
+            text(&claim, "id"),
+            text(&claim, "verdict")
+        ));
     }
     lines.join("\n")
 }
@@ -97,10 +126,26 @@ fn results_are_those_of_the_snapshot() {
 fn the_comparison_can_fail() {
     let old = "envelope.gain.pitch0: 18.6 percent computed\nwork.gait.iterations: 400 counted\nclaim C12: differs";
     assert!(equal(old, old));
-    assert!(equal(old, &old.replace("18.6", "18.600000000001")), "within its tolerance");
-    for (word, other) in [("18.6", "18.61"), ("400", "401"), ("differs", "reproduced"), ("percent", "1"), ("computed", "synthetic"), ("18.6", "null")] {
-        assert!(!equal(old, &old.replacen(word, other, 1)), "{word} -> {other} must fail");
+    assert!(
+        equal(old, &old.replace("18.6", "18.600000000001")),
+        "within its tolerance"
+    );
+    for (word, other) in [
+        ("18.6", "18.61"),
+        ("400", "401"),
+        ("differs", "reproduced"),
+        ("percent", "1"),
+        ("computed", "synthetic"),
+        ("18.6", "null"),
+    ] {
+        assert!(
+            !equal(old, &old.replacen(word, other, 1)),
+            "{word} -> {other} must fail"
+        );
     }
-    assert!(!equal(old, "envelope.gain.pitch0: 18.6 percent computed"), "a missing line must fail");
+    assert!(
+        !equal(old, "envelope.gain.pitch0: 18.6 percent computed"),
+        "a missing line must fail"
+    );
     assert!(!equal(old, ""), "nothing at all must fail");
 }

@@ -28,14 +28,30 @@ fn whole() -> &'static (PathBuf, Answer) {
 fn verdicts_and_values_are_as_pinned() {
     let (out, answer) = whole();
     assert_eq!(answer.code, 0, "{}\n{}", answer.stdout, answer.stderr);
-    assert_eq!(answer.stdout.lines().count(), 5, "five lines: {}", answer.stdout);
-    for file in ["report.html", "results.json", "ro-crate-metadata.json", "codecheck.yml", "test-result.json"] {
+    assert_eq!(
+        answer.stdout.lines().count(),
+        5,
+        "five lines: {}",
+        answer.stdout
+    );
+    for file in [
+        "report.html",
+        "results.json",
+        "ro-crate-metadata.json",
+        "codecheck.yml",
+        "test-result.json",
+    ] {
         assert!(out.join(file).is_file(), "{file}");
     }
     let results: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(out.join("results.json")).unwrap()).unwrap();
     assert_eq!(results["claims"].as_array().unwrap().len(), 22);
-    let not_run = results["claims"].as_array().unwrap().iter().filter(|claim| claim["verdict"] == "not run").count();
+    let not_run = results["claims"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|claim| claim["verdict"] == "not run")
+        .count();
     assert_eq!(not_run, 0, "every claim was run");
 }
 
@@ -44,12 +60,31 @@ fn a_second_run_keeps_everything_and_changes_nothing() {
     let (out, _) = whole();
     let before = stable(out);
     let page = out.join("report.html");
-    let again = run(&["reproduce", "--out", out.to_str().unwrap(), "--against", page.to_str().unwrap()]);
-    assert!(again.stdout.starts_with("against report.html: nothing changed"), "{}", again.stdout);
-    let fresh = again.stderr.lines().filter(|line| line.contains(" s ") && !line.contains("(kept)")).count();
+    let again = run(&[
+        "reproduce",
+        "--out",
+        out.to_str().unwrap(),
+        "--against",
+        page.to_str().unwrap(),
+    ]);
+    assert!(
+        again
+            .stdout
+            .starts_with("against report.html: nothing changed"),
+        "{}",
+        again.stdout
+    );
+    let fresh = again
+        .stderr
+        .lines()
+        .filter(|line| line.contains(" s ") && !line.contains("(kept)"))
+        .count();
     assert_eq!(fresh, 0, "{}", again.stderr);
     let after = stable(out);
-    for (path, text) in before.iter().filter(|(path, _)| path.as_str() != "report.html") {
+    for (path, text) in before
+        .iter()
+        .filter(|(path, _)| path.as_str() != "report.html")
+    {
         assert_eq!(Some(text), after.get(path), "{path}");
     }
 }
@@ -58,9 +93,16 @@ fn a_second_run_keeps_everything_and_changes_nothing() {
 fn stable(out: &Path) -> BTreeMap<String, String> {
     let mut files = BTreeMap::new();
     for part in ["", "tables", "figures"] {
-        let Ok(entries) = fs::read_dir(out.join(part)) else { continue };
-        for entry in entries.map(Result::unwrap).filter(|entry| entry.path().is_file()) {
-            let name = format!("{part}/{}", entry.file_name().to_string_lossy()).trim_start_matches('/').to_owned();
+        let Ok(entries) = fs::read_dir(out.join(part)) else {
+            continue;
+        };
+        for entry in entries
+            .map(Result::unwrap)
+            .filter(|entry| entry.path().is_file())
+        {
+            let name = format!("{part}/{}", entry.file_name().to_string_lossy())
+                .trim_start_matches('/')
+                .to_owned();
             let text = fs::read_to_string(entry.path()).unwrap();
             let text = match name.as_str() {
                 "results.json" => {
@@ -80,7 +122,9 @@ fn stable(out: &Path) -> BTreeMap<String, String> {
 
 /// The page without its one block of volatile facts.
 fn without_run(page: &str) -> String {
-    let start = page.find("<!-- volatile:begin -->").expect("the block is marked");
+    let start = page
+        .find("<!-- volatile:begin -->")
+        .expect("the block is marked");
     let end = page.find("<!-- volatile:end -->").expect("the block ends");
     format!("{}{}", &page[..start], &page[end..])
 }
@@ -90,13 +134,23 @@ fn one_thread_and_two_give_the_same_bytes() {
     let folder = TempDir::new().unwrap();
     let outs = ["1", "2"].map(|threads| {
         let out = folder.path().join(threads);
-        let answer = run(&["reproduce", "--quick", "--threads", threads, "--out", out.to_str().unwrap()]);
+        let answer = run(&[
+            "reproduce",
+            "--quick",
+            "--threads",
+            threads,
+            "--out",
+            out.to_str().unwrap(),
+        ]);
         assert!(answer.code == 0 || answer.code == 1, "{answer:?}");
         stable(&out)
     });
     assert!(!outs[0].is_empty());
     for (path, text) in &outs[0] {
-        assert!(outs[1].get(path) == Some(text), "{path} depends on the number of threads");
+        assert!(
+            outs[1].get(path) == Some(text),
+            "{path} depends on the number of threads"
+        );
     }
     assert_eq!(outs[0].len(), outs[1].len());
 }
@@ -107,15 +161,32 @@ fn against_a_report_with_one_altered_value_names_it_and_what_it_flips() {
     let page = fs::read_to_string(out.join("report.html")).unwrap();
     let json: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(out.join("results.json")).unwrap()).unwrap();
-    let value = json["values"].as_array().unwrap().iter().find(|value| value["id"] == "audit.brushes_missing").unwrap();
+    let value = json["values"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|value| value["id"] == "audit.brushes_missing")
+        .unwrap();
     let own = value.to_string();
     let mut altered = value.clone();
     altered["value"] = serde_json::json!(0.0);
     assert!(page.contains(&own), "the page embeds its results");
     let page = page.replacen(&own, &altered.to_string(), 1).replacen(
-        &json["claims"].as_array().unwrap().iter().find(|claim| claim["id"] == "C16").unwrap().to_string(),
+        &json["claims"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .find(|claim| claim["id"] == "C16")
+            .unwrap()
+            .to_string(),
         &{
-            let mut claim = json["claims"].as_array().unwrap().iter().find(|claim| claim["id"] == "C16").unwrap().clone();
+            let mut claim = json["claims"]
+                .as_array()
+                .unwrap()
+                .iter()
+                .find(|claim| claim["id"] == "C16")
+                .unwrap()
+                .clone();
             claim["verdict"] = serde_json::json!("reproduced");
             claim.to_string()
         },
@@ -125,8 +196,20 @@ fn against_a_report_with_one_altered_value_names_it_and_what_it_flips() {
     let old = folder.path().join("old.html");
     fs::write(&old, page).unwrap();
     let copy = folder.path().join("out");
-    let answer = run(&["reproduce", "--stage", "audit", "--out", copy.to_str().unwrap(), "--against", old.to_str().unwrap()]);
-    assert!(answer.stdout.contains("audit.brushes_missing: 0 -> 3"), "{}", answer.stdout);
+    let answer = run(&[
+        "reproduce",
+        "--stage",
+        "audit",
+        "--out",
+        copy.to_str().unwrap(),
+        "--against",
+        old.to_str().unwrap(),
+    ]);
+    assert!(
+        answer.stdout.contains("audit.brushes_missing: 0 -> 3"),
+        "{}",
+        answer.stdout
+    );
     assert!(answer.stdout.contains("flips C16"), "{}", answer.stdout);
 }
 
@@ -140,27 +223,42 @@ fn a_published_number_moves_only_the_claims_that_list_it() {
     let json: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(out.join("results.json")).unwrap()).unwrap();
     let values: Vec<Value> = serde_json::from_value(json["values"].clone()).unwrap();
-    let values: BTreeMap<String, Value> =
-        values.into_iter().map(|value| (value.id.clone(), value)).collect();
-    let verdicts = |published: &Published, values: &BTreeMap<String, Value>| -> BTreeMap<String, Verdict> {
-        let facts = Facts { published, values };
-        claims.iter().map(|claim| (claim.id.clone(), judge(claim, &facts).unwrap().verdict)).collect()
-    };
+    let values: BTreeMap<String, Value> = values
+        .into_iter()
+        .map(|value| (value.id.clone(), value))
+        .collect();
+    let verdicts =
+        |published: &Published, values: &BTreeMap<String, Value>| -> BTreeMap<String, Verdict> {
+            let facts = Facts { published, values };
+            claims
+                .iter()
+                .map(|claim| (claim.id.clone(), judge(claim, &facts).unwrap().verdict))
+                .collect()
+        };
     let before = verdicts(&published, &values);
     let mut moved = 0;
     for (id, number) in published.iter() {
         for factor in [0.5, 2.0] {
-            let altered = published.altered(id, &format!("{:.6}", factor * number.value)).unwrap();
+            let altered = published
+                .altered(id, &format!("{:.6}", factor * number.value))
+                .unwrap();
             let mut found = values.clone();
             found.extend(reproduction::controls::audited(&altered).unwrap());
             let after = verdicts(&altered, &found);
             for claim in &claims {
                 if before[&claim.id] != after[&claim.id] {
                     moved += 1;
-                    assert!(claim.published.iter().any(|listed| listed == id), "{id} x {factor} moved {}, which does not list it", claim.id);
+                    assert!(
+                        claim.published.iter().any(|listed| listed == id),
+                        "{id} x {factor} moved {}, which does not list it",
+                        claim.id
+                    );
                 }
             }
         }
     }
-    assert!(moved >= 20, "the ledger reacts to what is printed: {moved} moves");
+    assert!(
+        moved >= 20,
+        "the ledger reacts to what is printed: {moved} moves"
+    );
 }

@@ -2,6 +2,7 @@
 
 mod bench;
 mod claim;
+mod coverage;
 mod diagnose;
 mod files;
 mod identify;
@@ -187,10 +188,10 @@ struct CheckArguments {
 
 #[derive(Debug, Args)]
 struct BenchArguments {
-    /// One benchmark; all without a name.
+    /// ramp, identification, coverage or hidden-effects; the first two without a name.
     name: Option<String>,
     /// Simulated campaigns of `coverage`.
-    #[arg(long, default_value_t = 2000)]
+    #[arg(long, value_name = "N", default_value_t = 2000)]
     count: usize,
     /// Seed of `coverage`.
     #[arg(long, default_value_t = 1)]

@@ -7,12 +7,19 @@ use std::process::{Command, Output};
 
 /// The repository.
 pub fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../..")
+        .canonicalize()
+        .unwrap()
 }
 
 /// Runs the program in the repository.
 pub fn run(arguments: &[&str]) -> Answer {
-    let output = Command::new(env!("CARGO_BIN_EXE_bristle")).args(arguments).current_dir(root()).output().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_bristle"))
+        .args(arguments)
+        .current_dir(root())
+        .output()
+        .unwrap();
     Answer::from(output)
 }
 
@@ -39,14 +46,23 @@ impl From<Output> for Answer {
 pub fn package(folder: &Path) {
     std::fs::create_dir_all(folder.join("runs")).unwrap();
     let mut resources = Vec::new();
-    for (place, (direction, sign)) in [("forward", 1.0), ("reverse", -1.0)].into_iter().cycle().take(4).enumerate() {
+    for (place, (direction, sign)) in [("forward", 1.0), ("reverse", -1.0)]
+        .into_iter()
+        .cycle()
+        .take(4)
+        .enumerate()
+    {
         let name = format!("{place}-{direction}");
         let mut text = String::from("time_s,velocity_mm_s,force_n\n");
         for sample in 0..200 {
             let t = f64::from(sample) * 0.05;
             // Coulomb and viscous friction with a little scatter that no generator is needed for.
             let scatter = 0.01 * (f64::from(sample) * 1.7 + place as f64).sin();
-            text += &format!("{t},{},{}\n", sign * 6.0 * t, sign * (1.2 + 0.05 * t + scatter));
+            text += &format!(
+                "{t},{},{}\n",
+                sign * 6.0 * t,
+                sign * (1.2 + 0.05 * t + scatter)
+            );
         }
         std::fs::write(folder.join(format!("runs/{name}.csv")), text).unwrap();
         resources.push(serde_json::json!({
