@@ -162,6 +162,8 @@ pub struct Comparison {
     pub ours: Prose,
     /// How far outside, or nothing where they meet.
     pub deviation: Prose,
+    /// How far outside still agrees.
+    pub tolerance: Prose,
     /// Whether they agree within the tolerance; `None` where ours was not computed.
     pub agrees: Option<bool>,
 }

@@ -109,7 +109,7 @@ pub(crate) fn with_interval(number: f64, interval: [f64; 2]) -> String {
 }
 
 /// A unit as printed: powers raised, `percent` as its sign, `1` as nothing.
-pub(crate) fn unit(unit: &str) -> String {
+pub fn unit(unit: &str) -> String {
     match unit {
         "" | "1" | "-" => String::new(),
         "percent" | "%" => "%".into(),

@@ -141,7 +141,7 @@ impl Table {
             .iter()
             .zip(units)
             .map(|(column, unit)| Column {
-                name: Prose(crate::literal(column.name())),
+                name: Prose(crate::typeset(column.name())),
                 unit: (*unit).into(),
                 align: if column.dtype().is_primitive_numeric() {
                     Align::Right

@@ -45,7 +45,11 @@ fn phrase(finding: &Finding) -> String {
     if finding.equivalent.is_empty() {
         format!("`{}`", finding.cause)
     } else {
-        format!("`{}`, or as well `{}`", finding.cause, finding.equivalent.join("`, `"))
+        format!(
+            "`{}`, or as well `{}`",
+            finding.cause,
+            finding.equivalent.join("`, `")
+        )
     }
 }
 
@@ -72,7 +76,11 @@ pub(crate) fn blocks(campaign: &Campaign, diagnosed: &Diagnosed, prefix: &str) -
         blocks.push(findings(answer, prefix).into());
         blocks.push(curves(campaign, &diagnosed.curves, prefix).into());
     }
-    if answer.findings.iter().any(|f| !f.evidence.rivals.is_empty()) {
+    if answer
+        .findings
+        .iter()
+        .any(|f| !f.evidence.rivals.is_empty())
+    {
         blocks.push(rivals(answer, prefix).into());
     }
     if !answer.anatomy.is_empty() {
@@ -115,9 +123,17 @@ fn chain(answer: &Diagnosis, prefix: &str) -> Chain {
     let state = |id: &str| -> (SuspectState, &'static str) {
         if answer.findings.iter().any(|f| f.cause == id) {
             (SuspectState::Found, "explains the error")
-        } else if answer.findings.iter().any(|f| f.equivalent.iter().any(|e| e == id)) {
+        } else if answer
+            .findings
+            .iter()
+            .any(|f| f.equivalent.iter().any(|e| e == id))
+        {
             (SuspectState::Equivalent, "explains it as well")
-        } else if answer.undecidable.iter().any(|u| u.causes.iter().any(|c| c == id)) {
+        } else if answer
+            .undecidable
+            .iter()
+            .any(|u| u.causes.iter().any(|c| c == id))
+        {
             (SuspectState::Undecidable, "this protocol cannot tell")
         } else {
             (SuspectState::RuledOut, "not needed")
@@ -172,14 +188,25 @@ fn findings(answer: &Diagnosis, prefix: &str) -> Table {
             let first = k == 0;
             let gain = finding.gain.as_ref().and_then(|g| g.explained_fraction);
             rows.push(vec![
-                if first { finding.cause.clone().into() } else { "".into() },
+                if first {
+                    finding.cause.clone().into()
+                } else {
+                    "".into()
+                },
                 parameter.name.clone().into(),
                 interval(parameter.value, parameter.ci95),
                 parameter.unit.clone().into(),
-                if first { finding.probability.into() } else { "".into() },
+                if first {
+                    finding.probability.into()
+                } else {
+                    "".into()
+                },
                 match (first, gain) {
                     (true, Some(g)) => g.into(),
-                    (true, None) => Cell::Missing("not judged: no run can be left out, or within the floor's uncertainty".into()),
+                    (true, None) => Cell::Missing(
+                        "not judged: no run can be left out, or within the floor's uncertainty"
+                            .into(),
+                    ),
                     _ => "".into(),
                 },
                 if first {
@@ -190,7 +217,12 @@ fn findings(answer: &Diagnosis, prefix: &str) -> Table {
             ]);
         }
     }
-    if let Some(place) = answer.unexplained.r#where.as_ref().filter(|_| answer.unexplained.detected) {
+    if let Some(place) = answer
+        .unexplained
+        .r#where
+        .as_ref()
+        .filter(|_| answer.unexplained.detected)
+    {
         rows.push(vec![
             "(unexplained)".into(),
             format!("along {}", place.axis).into(),
@@ -233,7 +265,9 @@ fn rivals(answer: &Diagnosis, prefix: &str) -> Table {
                     finding.cause.clone().into(),
                     rival.cause.clone().into(),
                     rival.delta.into(),
-                    rival.separation.map_or(Cell::Missing("not computed".into()), Cell::from),
+                    rival
+                        .separation
+                        .map_or(Cell::Missing("not computed".into()), Cell::from),
                 ]
             })
         })
@@ -280,7 +314,9 @@ fn hidden(answer: &Diagnosis, prefix: &str) -> Table {
     Table {
         id: format!("{prefix}-hidden"),
         title: "What could have hidden".into(),
-        caption: "For each cause the size that this campaign would have shown in nine cases of ten.".into(),
+        caption:
+            "For each cause the size that this campaign would have shown in nine cases of ten."
+                .into(),
         columns: vec![
             Column::text("cause"),
             Column::text("parameter"),
@@ -294,7 +330,10 @@ fn hidden(answer: &Diagnosis, prefix: &str) -> Table {
                 vec![
                     h.cause.clone().into(),
                     h.parameter.clone().into(),
-                    h.size.map_or(Cell::Missing("no size: the law absorbs it".into()), Cell::from),
+                    h.size.map_or(
+                        Cell::Missing("no size: the law absorbs it".into()),
+                        Cell::from,
+                    ),
                     h.unit.clone().into(),
                 ]
             })
@@ -336,9 +375,18 @@ fn curves(campaign: &Campaign, curves: &Curves, prefix: &str) -> Figure {
         let run = curves.runs[k].clone();
         let step = run.len().div_ceil(SHOWN_POINTS).max(1);
         let points = |y: &[f64]| -> Vec<[f64; 2]> {
-            run.clone().step_by(step).map(|i| [curves.time_s[i], y[i]]).collect()
+            run.clone()
+                .step_by(step)
+                .map(|i| [curves.time_s[i], y[i]])
+                .collect()
         };
-        let label = |text: &str| if place == 0 { text.to_owned() } else { String::new() };
+        let label = |text: &str| {
+            if place == 0 {
+                text.to_owned()
+            } else {
+                String::new()
+            }
+        };
         bands.push(Band {
             label: label("noise, 95 %"),
             points: run
@@ -351,15 +399,31 @@ fn curves(campaign: &Campaign, curves: &Curves, prefix: &str) -> Figure {
                 .collect(),
             ink: Ink::EXTENDED,
         });
-        series.push(Series::dots(&label("recorded"), Ink::DATA, points(&curves.measured)));
-        series.push(Series::line(&label("law alone"), Ink::FORWARD, points(&curves.law)));
-        series.push(Series::line(&label("law with the named causes"), Ink::EXTENDED, points(&curves.extended)));
+        series.push(Series::dots(
+            &label("recorded"),
+            Ink::DATA,
+            points(&curves.measured),
+        ));
+        series.push(Series::line(
+            &label("law alone"),
+            Ink::FORWARD,
+            points(&curves.law),
+        ));
+        series.push(Series::line(
+            &label("law with the named causes"),
+            Ink::EXTENDED,
+            points(&curves.extended),
+        ));
     }
     let unit = match campaign.axis {
         campaign::Axis::Linear => "N",
         campaign::Axis::Rotary => "N m",
     };
-    let mut plot = LinePlot::new(Axis::new("time in the run", "s"), Axis::new("force", unit), series);
+    let mut plot = LinePlot::new(
+        Axis::new("time in the run", "s"),
+        Axis::new("force", unit),
+        series,
+    );
     plot.bands = bands;
     Figure::new(
         &format!("{prefix}-curves"),

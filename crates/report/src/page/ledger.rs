@@ -119,6 +119,7 @@ fn claim_view(claim: &ClaimRow, document: &Document, lookup: &Lookup<'_>) -> Res
             published => inline(&item.published)?,
             ours => inline(&item.ours)?,
             deviation => inline(&item.deviation)?,
+            tolerance => inline(&item.tolerance)?,
             class, symbol, word,
         })
     })?;

@@ -21,6 +21,7 @@ mod typeset;
 use serde::{Deserialize, Serialize};
 
 pub(crate) use reader::Lookup;
+pub(crate) use typeset::letters;
 pub use typeset::{typeset, typeset_prose};
 
 /// A text with the mark-up described in this module.

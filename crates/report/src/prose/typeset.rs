@@ -2,24 +2,24 @@
 
 use super::literal;
 
-/// ASCII names of the field's symbols and their LaTeX, longest first where one begins another.
-const SYMBOLS: [(&str, &str); 16] = [
-    ("theta_c_over_sigma", r"\theta_c/\sigma"),
-    ("theta_s_over_sigma", r"\theta_s/\sigma"),
-    ("theta_c/sigma", r"\theta_c/\sigma"),
-    ("theta_s/sigma", r"\theta_s/\sigma"),
-    ("cos^2 theta", r"\cos^2\theta"),
-    ("cos^2", r"\cos^2"),
-    ("theta0", r"\theta_0"),
-    ("theta_c", r"\theta_c"),
-    ("theta_s", r"\theta_s"),
-    ("theta", r"\theta"),
-    ("omega_sc", r"\omega_{sc}"),
-    ("sigma0", r"\sigma_0"),
-    ("sigma1", r"\sigma_1"),
-    ("sigma2", r"\sigma_2"),
-    ("sigma", r"\sigma"),
-    ("mu", r"\mu"),
+/// ASCII names of the field's symbols and their forms in LaTeX and in plain Unicode, longest first where one begins another.
+const SYMBOLS: [(&str, &str, &str); 16] = [
+    ("theta_c_over_sigma", r"\theta_c/\sigma", "θc/σ"),
+    ("theta_s_over_sigma", r"\theta_s/\sigma", "θs/σ"),
+    ("theta_c/sigma", r"\theta_c/\sigma", "θc/σ"),
+    ("theta_s/sigma", r"\theta_s/\sigma", "θs/σ"),
+    ("cos^2 theta", r"\cos^2\theta", "cos²θ"),
+    ("cos^2", r"\cos^2", "cos²"),
+    ("theta0", r"\theta_0", "θ₀"),
+    ("theta_c", r"\theta_c", "θc"),
+    ("theta_s", r"\theta_s", "θs"),
+    ("theta", r"\theta", "θ"),
+    ("omega_sc", r"\omega_{sc}", "ωsc"),
+    ("sigma0", r"\sigma_0", "σ₀"),
+    ("sigma1", r"\sigma_1", "σ₁"),
+    ("sigma2", r"\sigma_2", "σ₂"),
+    ("sigma", r"\sigma", "σ"),
+    ("mu", r"\mu", "μ"),
 ];
 
 /// A plain sentence of the author's as mark-up. What stands in backticks, between dollar signs or in placeholders is
@@ -35,16 +35,7 @@ fn set(text: &str, plain: bool) -> String {
             before = 'x';
             continue;
         }
-        let symbol = SYMBOLS.iter().find(|(name, _)| {
-            rest.strip_prefix(name).is_some_and(|after| {
-                let mut next = after.chars();
-                let first = next.next();
-                let joined = |c: char| c.is_alphanumeric() || c == '_';
-                let dotted = first == Some('.') && next.next().is_some_and(joined);
-                !joined(before) && before != '.' && !first.is_some_and(joined) && !dotted
-            })
-        });
-        if let Some((name, latex)) = symbol {
+        if let Some((name, latex, _)) = symbol(rest, before) {
             out.push_str(&format!("${latex}$"));
             rest = &rest[name.len()..];
             before = 'x';
@@ -59,6 +50,41 @@ fn set(text: &str, plain: bool) -> String {
         }
         before = character;
         rest = &rest[character.len_utf8()..];
+    }
+    out
+}
+
+/// The symbol whose name starts the text and is a word of its own there.
+fn symbol(text: &str, before: char) -> Option<&'static (&'static str, &'static str, &'static str)> {
+    let joined = |c: char| c.is_alphanumeric() || c == '_';
+    if joined(before) || before == '.' {
+        return None;
+    }
+    SYMBOLS.iter().find(|(name, ..)| {
+        text.strip_prefix(name).is_some_and(|after| {
+            let mut next = after.chars();
+            let first = next.next();
+            let dotted = first == Some('.') && next.next().is_some_and(joined);
+            !first.is_some_and(joined) && !dotted
+        })
+    })
+}
+
+/// Symbols of a label as Unicode letters, for drawings, whose words hold no mathematics.
+pub(crate) fn letters(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut rest = text;
+    let mut before = ' ';
+    while let Some(character) = rest.chars().next() {
+        if let Some((name, _, letters)) = symbol(rest, before) {
+            out.push_str(letters);
+            rest = &rest[name.len()..];
+            before = 'x';
+        } else {
+            out.push(character);
+            before = character;
+            rest = &rest[character.len_utf8()..];
+        }
     }
     out
 }
@@ -101,6 +127,15 @@ mod tests {
             r"$\cos^2\theta$ is 0.72; the mean |$\mu$|"
         );
         assert_eq!(typeset("much, sigma_x, mu0"), "much, sigma_x, mu0");
+    }
+
+    #[test]
+    fn labels_get_letters() {
+        assert_eq!(
+            letters("theta_c_over_sigma, sigma0 (omega_sc)"),
+            "θc/σ, σ₀ (ωsc)"
+        );
+        assert_eq!(letters("thetas"), "thetas");
     }
 
     #[test]

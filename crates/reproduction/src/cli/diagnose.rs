@@ -55,11 +55,20 @@ fn print_design(design: &Design) {
         "{}: what this protocol could tell (law {}; forces not read, noise nominal)",
         design.campaign, design.law
     );
-    println!("cause | smallest size found in nine cases of ten | nearest rival (sine of the angle between the two)");
+    println!(
+        "cause | smallest size found in nine cases of ten | nearest rival (sine of the angle between the two)"
+    );
     for (i, threshold) in design.thresholds.iter().enumerate() {
         let size = threshold.size.map_or_else(
             || "none: the law absorbs it".to_owned(),
-            |s| format!("{} {} {}", threshold.parameter, significant(s), threshold.unit),
+            |s| {
+                format!(
+                    "{} {} {}",
+                    threshold.parameter,
+                    significant(s),
+                    threshold.unit
+                )
+            },
         );
         let nearest = design.isolability.get(i).and_then(|row| {
             row.iter()

@@ -26,7 +26,9 @@ pub(super) fn row(
     row.published = published(claim, judged).into();
     row.ours = typeset(&ours(&judged.checks)).into();
     row.comparisons = comparisons(&judged.checks);
-    row.deviation = deviation(&judged.checks).map(|text| typeset(&text).into());
+    row.deviation = deviation(&judged.checks)
+        .filter(|_| judged.verdict != Verdict::NotTestable)
+        .map(|text| typeset(&text).into());
     row.tolerance = typeset(&claim.tolerance_text).into();
     row.reason = typeset(&claim.reason).into();
     row.flips_at = flips_at(&judged.checks).map(|factor| flip_words(factor).into());
@@ -81,9 +83,10 @@ fn comparisons(checks: &[Check]) -> Vec<Comparison> {
             published: typeset(&allowed(check)).into(),
             ours: typeset(&check.ours.map_or_else(
                 || "not computed".to_owned(),
-                |ours| interval(ours, &check.unit),
+                |ours| interval(ours, &printed(check)),
             ))
             .into(),
+            tolerance: typeset(&significant(check.tolerance)).into(),
             deviation: check
                 .gap()
                 .filter(|gap| *gap > 0.0)
@@ -95,18 +98,30 @@ fn comparisons(checks: &[Check]) -> Vec<Comparison> {
         .collect()
 }
 
+/// The unit as it is printed, in the words of `interval`.
+fn printed(check: &Check) -> String {
+    match report::printed_unit(&check.unit) {
+        unit if unit.is_empty() => "1".to_owned(),
+        unit => unit,
+    }
+}
+
 /// The interval of the paper; an open one as a bound.
 fn allowed(check: &Check) -> String {
-    let unit = if check.unit == "1" {
-        String::new()
-    } else {
-        format!(" {}", check.unit)
-    };
     let (lower, upper) = (check.allowed.lower, check.allowed.upper);
+    let bound = |number: f64| {
+        let point = crate::published::Interval {
+            lower: number,
+            upper: number,
+        };
+        interval(point, &printed(check))
+    };
     match (lower.is_finite(), upper.is_finite()) {
-        (true, true) => interval(check.allowed, &check.unit),
-        (true, false) => format!("at least {}{unit}", significant(lower)),
-        (false, true) => format!("at most {}{unit}", significant(upper)),
+        (true, true) => interval(check.allowed, &printed(check)),
+        // The smallest number above zero stands for "above zero".
+        (true, false) if lower == f64::MIN_POSITIVE => "above 0".to_owned(),
+        (true, false) => format!("at least {}", bound(lower)),
+        (false, true) => format!("at most {}", bound(upper)),
         (false, false) => "anything".to_owned(),
     }
 }

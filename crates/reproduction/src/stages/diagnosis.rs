@@ -10,8 +10,8 @@ use report::{Block, Cell, Column, Evidence, Section, Table, Value};
 use rig::ModelFile;
 
 use crate::diagnosis_page::{blocks, lead};
-use crate::stage::{Needs, Stage, StageContext, StageError, StageOutput};
 use crate::evidence_of;
+use crate::stage::{Needs, Stage, StageContext, StageError, StageOutput};
 
 /// The stage.
 pub(super) struct Diagnosis;
@@ -83,13 +83,16 @@ impl Stage for Diagnosis {
                 serde_json::to_value(&diagnosed.extension)
                     .map_err(|error| StageError::Failed(error.to_string()))?,
             );
-            output
-                .work
-                .insert(format!("{name}.findings"), diagnosed.answer.findings.len() as u64);
+            output.work.insert(
+                format!("{name}.findings"),
+                diagnosed.answer.findings.len() as u64,
+            );
             done.insert(name, (diagnosed, evidence));
         }
         if let (Some((rigid, _)), Some((corded, evidence))) = (done.get(RIGID), done.get(CORDED)) {
-            section.blocks.insert(0, cord_table(rigid, corded, *evidence).into());
+            section
+                .blocks
+                .insert(0, cord_table(rigid, corded, *evidence).into());
         }
         output.sections = vec![section];
         Ok(output)
@@ -102,25 +105,58 @@ fn values(name: &str, diagnosed: &Diagnosed, evidence: Evidence) -> Vec<Value> {
     let unit = answer.noise_floor.unit.as_str();
     let id = |what: &str| format!("diagnosis.{name}.{what}");
     let mut values = vec![
-        Value::new(id("floor_rmse"), answer.noise_floor.rmse, unit, "diagnosis", evidence),
-        Value::new(id("baseline_rmse"), answer.baseline.rmse, unit, "diagnosis", evidence),
+        Value::new(
+            id("floor_rmse"),
+            answer.noise_floor.rmse,
+            unit,
+            "diagnosis",
+            evidence,
+        ),
+        Value::new(
+            id("baseline_rmse"),
+            answer.baseline.rmse,
+            unit,
+            "diagnosis",
+            evidence,
+        ),
     ];
     if let Some(rmse) = answer.baseline.held_out_rmse {
-        values.push(Value::new(id("baseline_held_out_rmse"), rmse, unit, "diagnosis", evidence));
+        values.push(Value::new(
+            id("baseline_held_out_rmse"),
+            rmse,
+            unit,
+            "diagnosis",
+            evidence,
+        ));
         // Without a named cause the extended model is the law alone.
         let after = answer.gain.as_ref().map_or(rmse, |g| g.held_out_rmse_after);
-        values.push(Value::new(id("extended_held_out_rmse"), after, unit, "diagnosis", evidence));
+        values.push(Value::new(
+            id("extended_held_out_rmse"),
+            after,
+            unit,
+            "diagnosis",
+            evidence,
+        ));
     }
     if let Some(gain) = &answer.gain
         && let Some(fraction) = gain.explained_fraction
     {
-        let mut value = Value::new(id("explained_fraction"), fraction, "1", "diagnosis", evidence);
+        let mut value = Value::new(
+            id("explained_fraction"),
+            fraction,
+            "1",
+            "diagnosis",
+            evidence,
+        );
         if let Some([low, high]) = gain.ci95 {
             value = value.with_ci95(low, high);
         }
         values.push(value);
     }
-    for (model, word) in [(&diagnosed.plain, "plain"), (&diagnosed.extension, "extended")] {
+    for (model, word) in [
+        (&diagnosed.plain, "plain"),
+        (&diagnosed.extension, "extended"),
+    ] {
         for parameter in &model.parameters {
             let mut value = Value::new(
                 id(&format!("{word}.{}", parameter.name)),
@@ -141,11 +177,14 @@ fn values(name: &str, diagnosed: &Diagnosed, evidence: Evidence) -> Vec<Value> {
 /// The law's parameters from the rigid campaign, from the corded one by a plain fit, and with its extension.
 fn cord_table(rigid: &Diagnosed, corded: &Diagnosed, evidence: Evidence) -> Table {
     let cell = |file: &ModelFile, k: usize| -> Cell {
-        file.parameters.get(k).map_or(Cell::Missing("no such parameter".into()), |p| {
-            p.sd.filter(|sd| *sd > 0.0).map_or(Cell::from(p.value), |sd| {
-                Cell::Interval(p.value, [p.value - 1.96 * sd, p.value + 1.96 * sd])
+        file.parameters
+            .get(k)
+            .map_or(Cell::Missing("no such parameter".into()), |p| {
+                p.sd.filter(|sd| *sd > 0.0)
+                    .map_or(Cell::from(p.value), |sd| {
+                        Cell::Interval(p.value, [p.value - 1.96 * sd, p.value + 1.96 * sd])
+                    })
             })
-        })
     };
     Table {
         id: "diagnosis-cord".into(),

@@ -8,6 +8,7 @@ use super::ruler::Ruler;
 use super::sheet::{Anchor, Drawn, Sheet, WIDTH, stroke, words};
 use super::thin::Place;
 use crate::number;
+use crate::prose::letters;
 
 /// Room for the ticks and the name of the horizontal axis.
 const BELOW: i32 = 46 * SCALE;
@@ -122,7 +123,7 @@ impl Frame {
             .into_text_style(&sheet.root)
             .transform(FontTransform::Rotate270)
             .pos(Pos::new(HPos::Center, VPos::Center));
-        sheet.root.draw(&Text::new(text.to_string(), place, style))
+        sheet.root.draw(&Text::new(letters(text), place, style))
     }
 
     /// Where a point of the data lies on the sheet.

@@ -13,6 +13,7 @@ use plotters::style::{IntoFont, ShapeStyle, TextStyle};
 use super::super::{Ink, Mark};
 use super::canvas::{Canvas, FONT, Paint, SCALE, paint, text_width};
 use super::thin::Place;
+use crate::prose::letters;
 
 /// How drawing ends; the canvas itself cannot fail.
 pub(super) type Drawn<T = ()> = Result<T, DrawingAreaErrorKind<Infallible>>;
@@ -218,7 +219,7 @@ fn places(entries: &[(Swatch, String)], left: i32) -> Vec<(i32, i32)> {
     entries
         .iter()
         .map(|(_, label)| {
-            let width = 300 + i32::try_from(text_width(label, FONT)).unwrap_or(0) + 260;
+            let width = 300 + i32::try_from(text_width(&letters(label), FONT)).unwrap_or(0) + 260;
             if x > left && x + width - 260 > WIDTH {
                 x = left;
                 row += 1;
