@@ -199,6 +199,33 @@ fn fine_meshes_of_all_schemes_agree_on_the_cart_pole() {
     }
 }
 
+/// The same transcription and start, solved by another code.
+#[test]
+fn minima_agree_with_ipopt() {
+    let golden = include_str!("golden/ipopt.csv");
+    let mut compared = 0;
+    for line in golden.lines().filter(|line| !line.starts_with('#')) {
+        let mut cells = line.split(',');
+        let (problem, name, cost) = (cells.next(), cells.next(), cells.next());
+        let scheme = schemes()
+            .into_iter()
+            .find(|s| Some(s.name) == name)
+            .expect("a known scheme");
+        let theirs: f64 = cost.and_then(|c| c.parse().ok()).expect("a number");
+        let ours = match problem {
+            Some("cart-pole") => cart_pole(scheme, 25).0.cost,
+            _ => brachistochrone(scheme, 20),
+        };
+        // Their interior-point method stops a barrier parameter of about 1e-10 short.
+        assert!(
+            (ours - theirs).abs() < 1e-8 * theirs,
+            "{line}: ours is {ours}"
+        );
+        compared += 1;
+    }
+    assert_eq!(compared, 8);
+}
+
 #[test]
 fn one_thread_and_two_give_the_same_bits() {
     let problem = CartPole { intervals: 15 };
