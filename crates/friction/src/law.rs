@@ -259,20 +259,27 @@ impl<D: Scalar> Law<D> {
     /// mu (E7), or the force itself where no load is recorded.
     #[inline(always)]
     pub fn coefficient(&self, z: D, drive: &Drive<D>) -> D {
+        self.rate_and_coefficient(z, drive).1
+    }
+
+    /// (z', mu): both of [`Law::state_rate`] and [`Law::coefficient`] at the cost of one.
+    #[inline(always)]
+    pub fn rate_and_coefficient(&self, z: D, drive: &Drive<D>) -> (D, D) {
         if !self.is_dynamic() {
-            return self.static_coefficient(drive).0;
+            return (D::constant(0.0), self.static_coefficient(drive).0);
         }
         let k = self.kinematics(z, drive);
         let rate = k.rate * (-(z * drive.sign) / k.level + 1.0);
-        let viscous = self.viscous_of(drive.sign);
-        let losses = self.damping * rate + viscous * k.rate;
-        match &self.lean {
-            None => self.stiffness * z + losses,
+        let losses = self.damping * rate + self.viscous_of(drive.sign) * k.rate;
+        let elastic = self.stiffness * z;
+        let mu = match &self.lean {
+            None => elastic + losses,
             Some(lean) => match lean.placement {
-                CosinePlacement::AllTerms => (self.stiffness * z + losses) * k.projection,
-                CosinePlacement::StiffnessOnly => self.stiffness * z * k.projection + losses,
+                CosinePlacement::AllTerms => (elastic + losses) * k.projection,
+                CosinePlacement::StiffnessOnly => elastic * k.projection + losses,
             },
-        }
+        };
+        (rate, mu)
     }
 
     #[inline(always)]
