@@ -10,9 +10,10 @@ use crate::Scales;
 /// Standard gravity, m/s^2 (exact by definition, 3rd CGPM 1901): turns a load that is a weight into a mass.
 pub const GRAVITY_M_S2: f64 = 9.806_65;
 
-/// A velocity record counts as linear where it stays within this share of its largest speed: far below what any
-/// encoder resolves, and it moves no prediction by more than the integration error.
-const LINEAR_WITHIN: f64 = 1e-8;
+/// A velocity record counts as linear where it stays within this share of its largest speed. Times written to 10
+/// microseconds make a ramp of ten seconds crooked by half of it; such crookedness averages out over a few samples and
+/// moves no prediction by more than the integration error.
+const LINEAR_WITHIN: f64 = 1e-6;
 
 /// Why a campaign cannot be predicted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

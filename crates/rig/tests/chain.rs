@@ -239,3 +239,20 @@ fn a_run_that_leaves_the_numbers_is_not_a_number_and_takes_no_other_with_it() {
     let f = model.predict(&experiment, &[&BRISTLE[..], &[f64::NAN]].concat());
     assert!(f[50].is_nan() && f[150].is_finite());
 }
+
+#[test]
+fn rounded_times_leave_a_ramp_one_stretch_and_the_prediction_alone() {
+    let exact = time(600, 1.0 / 60.0);
+    let rounded: Vec<f64> = exact.iter().map(|t| (t * 1e5).round() / 1e5).collect();
+    let v = ramp(&exact, 0.006);
+    let experiment =
+        Experiment::new(&campaign(vec![run(&rounded, v.clone(), Some(1.0), 1)])).expect("moves");
+    assert_eq!(experiment.runs[0].knots, vec![0, 599]);
+    let model = Model::new(LawKind::AsymmetricBristle, vec![], &experiment).expect("model");
+    let sample_by_sample = coefficients(LawKind::AsymmetricBristle, &BRISTLE, &rounded, &v, 0.0);
+    close(
+        &model.predict(&experiment, &BRISTLE),
+        &sample_by_sample,
+        2e-7,
+    );
+}

@@ -94,7 +94,7 @@ fn a_soft_cord_delays_the_start_and_a_stiff_one_is_the_rigid_chain() {
     // without a mass the rigid chain is approached in proportion to the compliance
     let order = (distance(2e-6) / distance(1e-6)).log2();
     assert!((order - 1.0).abs() < 0.05, "order {order}");
-    assert!(distance(1e-12) < 1e-6);
+    assert!(distance(1e-12) < 1e-5);
     let soft = predicted(LawKind::AsymmetricBristle, &BRISTLE, &v, &t, 5e-3, 0.0, 0.2);
     assert!(soft[60] < rigid[60]);
 }
