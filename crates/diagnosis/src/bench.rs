@@ -166,9 +166,28 @@ pub(crate) struct Fitted {
 }
 
 /// Starts of the law that are fitted roughly, of all that are looked at.
-const STARTS_FITTED: usize = 10;
+const STARTS_FITTED: usize = 12;
 /// Of these, fits that are carried to their end.
-const STARTS_FINISHED: usize = 3;
+const STARTS_FINISHED: usize = 4;
+/// Starts spread about the typical sizes, beside those that the record suggests.
+const STARTS_SPREAD: usize = 32;
+
+/// Law parameters spread about their typical sizes, a factor of four each way, both signs where bounds allow.
+fn spread_about(model: &Model) -> Vec<Vec<f64>> {
+    let specs = &model.parameters()[..model.law_parameters()];
+    let (low, high): (Vec<f64>, Vec<f64>) = specs
+        .iter()
+        .map(|s| {
+            let wide = 4.0 * s.typical.abs();
+            if s.lower >= 0.0 {
+                ((s.typical / 4.0).max(s.lower), wide.min(s.upper))
+            } else {
+                ((-wide).max(s.lower), wide.min(s.upper))
+            }
+        })
+        .unzip();
+    fitting::spread_starts(&low, &high, STARTS_SPREAD)
+}
 
 /// Which parameters move in a fit.
 fn movable(model: &Model, subset: &Subset, runs: usize) -> Vec<bool> {
@@ -354,7 +373,10 @@ impl<'a> Bench<'a> {
             Some(prior) => vec![prior.values.clone()],
             None => {
                 let features = identification::features(self.campaign);
-                identification::starts(self.law, &features, self.experiment.height_m, None)
+                let mut starts =
+                    identification::starts(self.law, &features, self.experiment.height_m, None);
+                starts.extend(spread_about(&model));
+                starts
             }
         };
         // All starts are looked at, the nearest are fitted.
