@@ -26,9 +26,9 @@ pub enum Provenance {
 /// Direction of a run's motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Direction {
-    /// Velocity is never below zero.
+    /// Velocity is never below zero by more than 1 % of the run's largest speed (an encoder's noise at rest).
     Forward,
-    /// Velocity is never above zero.
+    /// Velocity is never above zero by more than 1 % of the run's largest speed.
     Reverse,
     /// The run reverses.
     Both,
