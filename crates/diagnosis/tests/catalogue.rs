@@ -268,7 +268,6 @@ fn derivatives_of_the_whole_chain_are_exact() {
 
 #[test]
 fn derivatives_at_the_null_are_one_sided_limits() {
-    let mut wrong: Vec<String> = Vec::new();
     let experiment = Experiment::new(&rich(200)).expect("moves");
     for cause in catalogue() {
         // with a mass the ring of a cord after a jump of speed goes with the root of the compliance: no derivative
@@ -310,7 +309,6 @@ fn derivatives_at_the_null_are_one_sided_limits() {
             );
         }
     }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 #[test]
