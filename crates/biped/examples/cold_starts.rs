@@ -12,19 +12,43 @@ fn main() -> std::io::Result<()> {
         torso_mass_kg: 7.5,
         torso_inertia_kg_m2: 0.1,
         torso_length_m: 0.6,
-        thigh: Link { mass_kg: 2.0, inertia_kg_m2: 0.016, length_m: 0.3, centre_m: 0.05 },
-        shank: Link { mass_kg: 0.28, inertia_kg_m2: 0.01, length_m: 0.3, centre_m: 0.05 },
+        thigh: Link {
+            mass_kg: 2.0,
+            inertia_kg_m2: 0.016,
+            length_m: 0.3,
+            centre_m: 0.05,
+        },
+        shank: Link {
+            mass_kg: 0.28,
+            inertia_kg_m2: 0.01,
+            length_m: 0.3,
+            centre_m: 0.05,
+        },
         hip_torque_n_m: 35.0,
         knee_torque_n_m: 35.0,
         gravity_m_s2: 9.81,
     };
-    let soft = Ground { stiffness_n_m15: 2e4, loss_s_m: 0.0, slip_scale_m_s: 1.0 };
-    for (name, contact) in [("rigid", Contact::Rigid(Touchdown::Impact)), ("compliant", Contact::Compliant(soft))] {
+    let soft = Ground {
+        stiffness_n_m15: 2e4,
+        loss_s_m: 0.0,
+        slip_scale_m_s: 1.0,
+    };
+    for (name, contact) in [
+        ("rigid", Contact::Rigid(Touchdown::Impact)),
+        ("compliant", Contact::Compliant(soft)),
+    ] {
         let problem = Problem {
             biped,
-            brush: Brush { forward: 0.9049, reverse: 0.4314 }.symmetric(),
+            brush: Brush {
+                forward: 0.9049,
+                reverse: 0.4314,
+            }
+            .symmetric(),
             contact,
-            goal: Goal::Speed { weight: 1.0, aim_m_s: 20.0 },
+            goal: Goal::Speed {
+                weight: 1.0,
+                aim_m_s: 20.0,
+            },
             limits: Limits::default(),
             mesh: Mesh::default(),
             rate_weight_s2: 1e-6,

@@ -54,7 +54,11 @@ impl Layout {
         let mut next = POINTS;
         for phase in 0..PHASES {
             first[phase] = next;
-            let forces = if problem.is_rigid() && STANDING[phase].is_some() { 2 } else { 0 };
+            let forces = if problem.is_rigid() && STANDING[phase].is_some() {
+                2
+            } else {
+                0
+            };
             width[phase] = POINT_WIDTH + forces;
             next += mesh.intervals(phase) * STAGES * width[phase];
         }
@@ -65,7 +69,14 @@ impl Layout {
         };
         let impulses = take(problem.contact == Contact::Rigid(Touchdown::Impact), 4);
         let acceleration = take(matches!(problem.goal, super::Goal::Acceleration { .. }), 1);
-        Self { mesh, first, width, impulses, acceleration, count: next }
+        Self {
+            mesh,
+            first,
+            width,
+            impulses,
+            acceleration,
+            count: next,
+        }
     }
 
     /// Number of variables.
@@ -100,7 +111,8 @@ impl Layout {
 
     /// Impulse (x, y) of the touchdown that ends a flight, N s; index 0 after phase 1, 1 after phase 3.
     pub fn impulse(&self, flight: usize) -> Option<usize> {
-        self.impulses.map(|first| first + if flight == 1 { 0 } else { 2 })
+        self.impulses
+            .map(|first| first + if flight == 1 { 0 } else { 2 })
     }
 
     /// Scaled velocity w at the start of a phase (after an impact, if there is one).
@@ -142,7 +154,11 @@ impl Layout {
         match (phase, interval) {
             (0, 0) => START,
             (_, 0) => self.q(self.last(phase - 1)),
-            _ => self.q(Place { phase, interval: interval - 1, stage: STAGES - 1 }),
+            _ => self.q(Place {
+                phase,
+                interval: interval - 1,
+                stage: STAGES - 1,
+            }),
         }
     }
 
@@ -151,13 +167,21 @@ impl Layout {
         if interval == 0 {
             self.phase_start_w(phase)
         } else {
-            self.w(Place { phase, interval: interval - 1, stage: STAGES - 1 })
+            self.w(Place {
+                phase,
+                interval: interval - 1,
+                stage: STAGES - 1,
+            })
         }
     }
 
     /// Last point of a phase.
     pub fn last(&self, phase: usize) -> Place {
-        Place { phase, interval: self.mesh.intervals(phase) - 1, stage: STAGES - 1 }
+        Place {
+            phase,
+            interval: self.mesh.intervals(phase) - 1,
+            stage: STAGES - 1,
+        }
     }
 
     /// Whether a point ends its phase.
@@ -170,7 +194,11 @@ impl Layout {
         let mut places = Vec::new();
         for phase in 0..PHASES {
             for interval in 0..self.mesh.intervals(phase) {
-                places.extend((0..STAGES).map(|stage| Place { phase, interval, stage }));
+                places.extend((0..STAGES).map(|stage| Place {
+                    phase,
+                    interval,
+                    stage,
+                }));
             }
         }
         places

@@ -7,7 +7,11 @@ use crate::kinematics::{COORDINATES, JOINTS};
 use trajectory::{LinearRow, Row};
 
 fn row(name: impl Into<String>, terms: Vec<(usize, f64)>, row: Row) -> LinearRow {
-    LinearRow { name: name.into(), terms, row }
+    LinearRow {
+        name: name.into(),
+        terms,
+        row,
+    }
 }
 
 /// All linear rows.
@@ -30,15 +34,25 @@ pub(super) fn rows(problem: &Problem, layout: &Layout) -> Vec<LinearRow> {
     period.push((layout.period(), -1.0));
     rows.push(row("period", period, Row::equal(scale::PHASE_S)));
     // Periodic in everything but x.
-    let (end, start) = (layout.q(layout.last(PHASES - 1)), layout.interval_start_q(0, 0));
+    let (end, start) = (
+        layout.q(layout.last(PHASES - 1)),
+        layout.interval_start_q(0, 0),
+    );
     for k in 1..COORDINATES {
         let terms = vec![(end + k, 1.0), (start + k, -1.0)];
-        rows.push(row(format!("periodic q{k}"), terms, Row::equal(scale::LENGTH_M)));
+        rows.push(row(
+            format!("periodic q{k}"),
+            terms,
+            Row::equal(scale::LENGTH_M),
+        ));
     }
     if let Goal::Acceleration { start_m_s, .. } = problem.goal {
         // w = h v with h = T_0/N_0.
         let factor = start_m_s / problem.mesh.intervals(0) as f64;
-        let terms = vec![(layout.phase_start_w(0), 1.0), (layout.duration(0), -factor)];
+        let terms = vec![
+            (layout.phase_start_w(0), 1.0),
+            (layout.duration(0), -factor),
+        ];
         rows.push(row("speed at the start", terms, Row::equal(scale::W)));
     }
     rows
@@ -50,18 +64,27 @@ fn defects(layout: &Layout, place: Place, rows: &mut Vec<LinearRow>) {
     for k in 0..COORDINATES {
         let mut position = vec![
             (layout.q(place) + k, 1.0),
-            (layout.interval_start_q(place.phase, place.interval) + k, -1.0),
+            (
+                layout.interval_start_q(place.phase, place.interval) + k,
+                -1.0,
+            ),
         ];
         let mut velocity = vec![
             (layout.w(place) + k, 1.0),
-            (layout.interval_start_w(place.phase, place.interval) + k, -1.0),
+            (
+                layout.interval_start_w(place.phase, place.interval) + k,
+                -1.0,
+            ),
         ];
         for (other, weight) in stages.clone().zip(Problem::RADAU_A[place.stage]) {
             position.push((layout.w(other) + k, -weight));
             velocity.push((layout.b(other) + k, -weight));
         }
         let name = |what: &str| {
-            format!("defect of {what}{k} at {}.{}.{}", place.phase, place.interval, place.stage)
+            format!(
+                "defect of {what}{k} at {}.{}.{}",
+                place.phase, place.interval, place.stage
+            )
         };
         rows.push(row(name("q"), position, Row::equal(scale::W)));
         rows.push(row(name("w"), velocity, Row::equal(scale::B)));
@@ -74,9 +97,20 @@ fn joint_rates(problem: &Problem, layout: &Layout, place: Place, rows: &mut Vec<
     for k in 0..JOINTS {
         let w = layout.w(place) + 3 + k;
         let duration = layout.duration(place.phase);
-        let name = format!("rate of joint {k} at {}.{}.{}", place.phase, place.interval, place.stage);
-        rows.push(row(name.clone(), vec![(w, 1.0), (duration, -limit)], Row::at_most(scale::W)));
-        rows.push(row(name, vec![(w, 1.0), (duration, limit)], Row::at_least(scale::W)));
+        let name = format!(
+            "rate of joint {k} at {}.{}.{}",
+            place.phase, place.interval, place.stage
+        );
+        rows.push(row(
+            name.clone(),
+            vec![(w, 1.0), (duration, -limit)],
+            Row::at_most(scale::W),
+        ));
+        rows.push(row(
+            name,
+            vec![(w, 1.0), (duration, limit)],
+            Row::at_least(scale::W),
+        ));
     }
 }
 

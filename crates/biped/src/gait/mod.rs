@@ -121,14 +121,21 @@ pub struct Mesh {
 
 impl Default for Mesh {
     fn default() -> Self {
-        Self { stance: 8, flight: 5 }
+        Self {
+            stance: 8,
+            flight: 5,
+        }
     }
 }
 
 impl Mesh {
     /// Intervals of a phase.
     pub fn intervals(&self, phase: usize) -> usize {
-        if STANDING[phase].is_some() { self.stance } else { self.flight }
+        if STANDING[phase].is_some() {
+            self.stance
+        } else {
+            self.flight
+        }
     }
 }
 

@@ -56,10 +56,17 @@ impl Motion {
         let durations_s: [f64; PHASES] = std::array::from_fn(|p| x[layout.duration(p)]);
         let interval = |phase: usize| durations_s[phase] / problem.mesh.intervals(phase) as f64;
         let rates = |at: usize, phase: usize| seven(x, at).map(|w| w / interval(phase));
-        let samples = layout.places().into_iter().map(|place| sample(problem, &layout, x, place)).collect();
+        let samples = layout
+            .places()
+            .into_iter()
+            .map(|place| sample(problem, &layout, x, place))
+            .collect();
         let pair = |at: Option<usize>| at.map_or([0.0; 2], |at| [x[at], x[at + 1]]);
         Self {
-            start: (seven(x, layout.interval_start_q(0, 0)), rates(layout.phase_start_w(0), 0)),
+            start: (
+                seven(x, layout.interval_start_q(0, 0)),
+                rates(layout.phase_start_w(0), 0),
+            ),
             samples,
             durations_s,
             phase_starts: std::array::from_fn(|p| rates(layout.phase_start_w(p), p)),
@@ -81,7 +88,11 @@ impl Motion {
             .samples
             .iter()
             .map(|s| {
-                let squares = s.torques_n_m.iter().enumerate().map(|(k, t)| (t / limits[k % 2]).powi(2));
+                let squares = s
+                    .torques_n_m
+                    .iter()
+                    .enumerate()
+                    .map(|(k, t)| (t / limits[k % 2]).powi(2));
                 s.weight_s * squares.sum::<f64>()
             })
             .sum();
@@ -101,9 +112,11 @@ impl Motion {
     pub fn forward_and_braking_n_s(&self) -> [f64; 2] {
         let touchdowns = self.impulses_n_s.iter().map(|i| i[0]);
         let forces = self.samples.iter().map(|s| s.weight_s * s.force_n[0]);
-        forces.chain(touchdowns).fold([0.0; 2], |[forward, braking], part| {
-            [forward + part.max(0.0), braking + (-part).max(0.0)]
-        })
+        forces
+            .chain(touchdowns)
+            .fold([0.0; 2], |[forward, braking], part| {
+                [forward + part.max(0.0), braking + (-part).max(0.0)]
+            })
     }
 
     /// Range of force directions F_x/F_y over the stances: smallest and largest.
@@ -112,13 +125,17 @@ impl Motion {
             .iter()
             .filter(|s| s.force_n[1] > 1.0)
             .map(|s| s.force_n[0] / s.force_n[1])
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], d| [low.min(d), high.max(d)])
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], d| {
+                [low.min(d), high.max(d)]
+            })
     }
 
     /// Change of linear momentum over the stride minus the impulses of ground and gravity, N s:
     /// zero but for rounding, because the momentum balance is two rows of the equations of motion.
     pub fn momentum_gap_n_s(&self, problem: &Problem) -> [f64; 2] {
-        let Some(end) = self.samples.last() else { return [0.0; 2] };
+        let Some(end) = self.samples.last() else {
+            return [0.0; 2];
+        };
         let biped = &problem.biped;
         let before = momenta(biped, &self.start.0, &self.start_before_impact()).0;
         let after = momenta(biped, &end.q, &end.v).0;
@@ -183,7 +200,15 @@ impl Motion {
             for pair in samples.chunks(2) {
                 for step in 0..steps {
                     let along = |part: f64| (step as f64 + part) / steps as f64;
-                    (q, v) = runge_kutta(problem, phase, pair, [along(0.0), along(0.5), along(1.0)], h / steps as f64, q, v);
+                    (q, v) = runge_kutta(
+                        problem,
+                        phase,
+                        pair,
+                        [along(0.0), along(0.5), along(1.0)],
+                        h / steps as f64,
+                        q,
+                        v,
+                    );
                 }
                 let end = pair[pair.len() - 1];
                 for k in 0..COORDINATES {
@@ -216,15 +241,25 @@ fn runge_kutta(
         let torques = between(pair[0].torques_n_m, pair[1].torques_n_m, along);
         let force = STANDING[phase].map(|leg| {
             let held = between(pair[0].force_n, pair[1].force_n, along);
-            let point = Point { q: *q, w: *v, b: [0.0; COORDINATES], torques, h: 1.0 };
+            let point = Point {
+                q: *q,
+                w: *v,
+                b: [0.0; COORDINATES],
+                torques,
+                h: 1.0,
+            };
             (leg, compliant_force(problem, &point, leg).unwrap_or(held))
         });
         let contacts: Vec<(Leg, [f64; 2])> = force.into_iter().collect();
-        let a = forward_dynamics(&problem.biped, q, v, &torques, &contacts).unwrap_or([f64::NAN; COORDINATES]);
+        let a = forward_dynamics(&problem.biped, q, v, &torques, &contacts)
+            .unwrap_or([f64::NAN; COORDINATES]);
         (*v, a)
     };
     let step = |(q, v): &State, (dq, dv): &State, h: f64| -> State {
-        (std::array::from_fn(|k| q[k] + h * dq[k]), std::array::from_fn(|k| v[k] + h * dv[k]))
+        (
+            std::array::from_fn(|k| q[k] + h * dq[k]),
+            std::array::from_fn(|k| v[k] + h * dv[k]),
+        )
     };
     let start = (q, v);
     let k1 = rate(&start, along[0]);
@@ -248,7 +283,13 @@ fn sample(problem: &Problem, layout: &Layout, x: &[f64], place: Place) -> Sample
     let w = seven(x, layout.w(place));
     let torques = std::array::from_fn(|k| x[layout.torques(place) + k]);
     let force_n = STANDING[phase].map_or([0.0; 2], |leg| {
-        let point = Point { q, w, b: [0.0; COORDINATES], torques, h };
+        let point = Point {
+            q,
+            w,
+            b: [0.0; COORDINATES],
+            torques,
+            h,
+        };
         let held = layout.force(place).map_or([0.0; 2], |f| [x[f], x[f + 1]]);
         compliant_force(problem, &point, leg).unwrap_or(held)
     });

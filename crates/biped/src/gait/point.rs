@@ -9,7 +9,9 @@
 
 use super::{Contact, Problem};
 use crate::dynamics::inverse_dynamics;
-use crate::kinematics::{COORDINATES, JOINTS, Leg, Scalar, foot_jacobian, foot_velocity, leg_points};
+use crate::kinematics::{
+    COORDINATES, JOINTS, Leg, Scalar, foot_jacobian, foot_velocity, leg_points,
+};
 
 /// The quantities of one point.
 pub(super) struct Point<D> {
@@ -32,7 +34,10 @@ pub(super) fn motion_rows<D: Scalar>(
     let h2 = point.h * point.h;
     // Gravity enters as an upward acceleration of the whole body: y'' + g, here h^2 (y'' + g).
     let gravity = biped.gravity_m_s2;
-    let weightless = crate::parameters::Biped { gravity_m_s2: 0.0, ..*biped };
+    let weightless = crate::parameters::Biped {
+        gravity_m_s2: 0.0,
+        ..*biped
+    };
     let mut lifted = point.b;
     lifted[1] += h2 * gravity;
     let inertial = inverse_dynamics(&weightless, &point.q, &point.w, &lifted);
@@ -58,11 +63,16 @@ pub(super) fn compliant_force<D: Scalar>(
     point: &Point<D>,
     leg: Leg,
 ) -> Option<[D; 2]> {
-    let Contact::Compliant(ground) = problem.contact else { return None };
+    let Contact::Compliant(ground) = problem.contact else {
+        return None;
+    };
     let height = leg_points(&problem.biped, &point.q, leg).foot[1];
     let speed = foot_velocity(&problem.biped, &point.q, &point.w, leg).map(|s| s / point.h);
     let normal = ground.normal_force(height, speed[1]);
-    Some([ground.friction_coefficient(problem.brush, speed[0]) * normal, normal])
+    Some([
+        ground.friction_coefficient(problem.brush, speed[0]) * normal,
+        normal,
+    ])
 }
 
 /// Impact times h_before h_after, M (w+ h- - w- h+) - J^T L h+ h-: zero when the impulse L, N s,
@@ -76,7 +86,10 @@ pub(super) fn impact_rows<D: Scalar>(
     impulse: [D; 2],
     rows: &mut [D],
 ) {
-    let weightless = crate::parameters::Biped { gravity_m_s2: 0.0, ..problem.biped };
+    let weightless = crate::parameters::Biped {
+        gravity_m_s2: 0.0,
+        ..problem.biped
+    };
     let jump = std::array::from_fn(|k| after.0[k] * before.1 - before.0[k] * after.1);
     let still = [D::from(0.0); COORDINATES];
     let momentum = inverse_dynamics(&weightless, q, &still, &jump);

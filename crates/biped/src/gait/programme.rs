@@ -51,7 +51,11 @@ impl Stride {
                 kinds.push(Kind::Rest(phase));
             }
         }
-        Self { problem, layout, kinds }
+        Self {
+            problem,
+            layout,
+            kinds,
+        }
     }
 
     fn interval<D: Scalar>(&self, phase: usize, duration: D) -> D {
@@ -78,9 +82,15 @@ impl Stride {
                 list.extend(layout.force(place).into_iter().flat_map(|f| [f, f + 1]));
                 list
             }
-            Kind::Share(phase) => vec![layout.share(phase), layout.period(), layout.duration(phase)],
+            Kind::Share(phase) => {
+                vec![layout.share(phase), layout.period(), layout.duration(phase)]
+            }
             Kind::Progress => {
-                let mut list = vec![layout.speed(), layout.period(), layout.q(layout.last(PHASES - 1))];
+                let mut list = vec![
+                    layout.speed(),
+                    layout.period(),
+                    layout.q(layout.last(PHASES - 1)),
+                ];
                 list.extend(layout.acceleration());
                 list
             }
@@ -123,7 +133,11 @@ impl Stride {
                         rows.push(Row::at_least(h));
                     }
                 }
-                rows.extend(Leg::BOTH.iter().filter_map(|&leg| self.foot_row(place, leg)));
+                rows.extend(
+                    Leg::BOTH
+                        .iter()
+                        .filter_map(|&leg| self.foot_row(place, leg)),
+                );
                 let knee = self.problem.limits.knee_height_m;
                 rows.extend([Row::between(knee, f64::INFINITY, scale::HEIGHT_M); 2]);
                 rows
@@ -131,7 +145,11 @@ impl Stride {
             Kind::Share(_) => vec![Row::equal(scale::PHASE_S)],
             Kind::Progress => vec![Row::equal(scale::LENGTH_M)],
             Kind::Junction(_) | Kind::Impact(_) => {
-                let momentum = if matches!(kind, Kind::Impact(_)) { 2.0 } else { 1.0 };
+                let momentum = if matches!(kind, Kind::Impact(_)) {
+                    2.0
+                } else {
+                    1.0
+                };
                 vec![Row::equal(scale::W * h * momentum); COORDINATES]
             }
             Kind::Rest(_) => vec![Row::equal(scale::W); 2],
@@ -147,7 +165,11 @@ impl Stride {
         } else if event {
             Some(Row::equal(scale::HEIGHT_M))
         } else if stands {
-            Some(Row::between(-self.problem.limits.foot_depth_m, 0.0, scale::HEIGHT_M))
+            Some(Row::between(
+                -self.problem.limits.foot_depth_m,
+                0.0,
+                scale::HEIGHT_M,
+            ))
         } else {
             Some(Row::at_least(scale::HEIGHT_M))
         }
@@ -164,7 +186,13 @@ impl Stride {
         let torques: [D; JOINTS] = std::array::from_fn(|_| next());
         let (duration, share) = (next(), next());
         let h = self.interval(place.phase, duration);
-        let point = Point { q, w, b, torques, h };
+        let point = Point {
+            q,
+            w,
+            b,
+            torques,
+            h,
+        };
         let force = [next(), next()];
 
         let standing = STANDING[place.phase]
@@ -195,7 +223,11 @@ impl Stride {
         let weight = Problem::RADAU_B[place.stage] / problem.mesh.intervals(place.phase) as f64;
         let mut effort = D::from(0.0);
         for k in 0..JOINTS {
-            let limit = if k % 2 == 0 { problem.biped.hip_torque_n_m } else { problem.biped.knee_torque_n_m };
+            let limit = if k % 2 == 0 {
+                problem.biped.hip_torque_n_m
+            } else {
+                problem.biped.knee_torque_n_m
+            };
             let relative = torques[k] / limit;
             let rate = w[3 + k] / h;
             effort += relative * relative + rate * rate * problem.rate_weight_s2;
@@ -223,7 +255,15 @@ impl Stride {
             let Some(leg) = STANDING[next] else { return };
             let mut shifted = after;
             shifted[0] += jump_x / h_before;
-            impact_rows(&self.problem, &q, (&before, h_before), (&shifted, h_after), leg, [x[rest], x[rest + 1]], rows);
+            impact_rows(
+                &self.problem,
+                &q,
+                (&before, h_before),
+                (&shifted, h_after),
+                leg,
+                [x[rest], x[rest + 1]],
+                rows,
+            );
         } else {
             for k in 0..COORDINATES {
                 rows[k] = after[k] * h_before - before[k] * h_after;
@@ -249,7 +289,13 @@ impl Programme for Stride {
     fn blocks(&self) -> Vec<Block> {
         self.kinds
             .iter()
-            .map(|&kind| Block::new(format!("{kind:?}"), self.variables_of(kind), self.rows_of(kind)))
+            .map(|&kind| {
+                Block::new(
+                    format!("{kind:?}"),
+                    self.variables_of(kind),
+                    self.rows_of(kind),
+                )
+            })
             .collect()
     }
 
@@ -275,7 +321,9 @@ impl Programme for Stride {
                 self.evaluate_meeting(kind, phase, x, rows);
             }
             Kind::Rest(phase) => {
-                let Some(leg) = STANDING[(phase + 1) % PHASES] else { return };
+                let Some(leg) = STANDING[(phase + 1) % PHASES] else {
+                    return;
+                };
                 let mut q = [D::from(0.0); COORDINATES];
                 q[1..].copy_from_slice(&x[..COORDINATES - 1]);
                 let w = std::array::from_fn(|k| x[COORDINATES - 1 + k]);

@@ -45,7 +45,13 @@ impl Default for Guess {
 
 impl Guess {
     fn durations(&self) -> [f64; PHASES] {
-        STANDING.map(|leg| if leg.is_some() { self.stance_s } else { self.flight_s })
+        STANDING.map(|leg| {
+            if leg.is_some() {
+                self.stance_s
+            } else {
+                self.flight_s
+            }
+        })
     }
 
     fn period_s(&self) -> f64 {
@@ -55,7 +61,9 @@ impl Guess {
     /// Largest depth of a compliant foot so that, at k d^1.5, the mean force of a half sine carries
     /// the weight.
     fn depth_m(&self, problem: &Problem) -> f64 {
-        let Contact::Compliant(ground) = problem.contact else { return 0.0 };
+        let Contact::Compliant(ground) = problem.contact else {
+            return 0.0;
+        };
         let weight = problem.biped.total_mass_kg() * problem.biped.gravity_m_s2;
         let force = weight * self.period_s() / (2.0 * self.stance_s);
         // Mean of sin^1.5 over half a period.
@@ -70,7 +78,10 @@ impl Guess {
         let half = 0.5 * self.speed_m_s * self.stance_s;
         if t.re() <= self.stance_s {
             let part = t / self.stance_s;
-            return [-(t * self.speed_m_s) + (half + middle), -(part * PI).sin() * depth_m];
+            return [
+                -(t * self.speed_m_s) + (half + middle),
+                -(part * PI).sin() * depth_m,
+            ];
         }
         // Return with the speed of travel at both ends: a cubic in s from -half to half.
         let swing = self.period_s() - self.stance_s;
@@ -87,7 +98,15 @@ impl Guess {
     /// Coordinates at time t of the stride.
     fn coordinates<D: Scalar>(&self, biped: &Biped, depth_m: f64, t: D) -> [D; COORDINATES] {
         let zero = D::from(0.0);
-        let mut q = [t * self.speed_m_s, zero + self.height_m, zero, zero, zero, zero, zero];
+        let mut q = [
+            t * self.speed_m_s,
+            zero + self.height_m,
+            zero,
+            zero,
+            zero,
+            zero,
+            zero,
+        ];
         let touchdowns = [0.0, self.stance_s + self.flight_s];
         for (leg, touchdown) in Leg::BOTH.into_iter().zip(touchdowns) {
             let turns = ((t.re() - touchdown) / self.period_s()).floor();
@@ -98,7 +117,11 @@ impl Guess {
             let squared = x * x + down * down;
             let cosine = (squared - (l1 * l1 + l2 * l2)) / (2.0 * l1 * l2);
             let longest = 0.97;
-            let cosine = if cosine.re() > longest { zero + longest } else { cosine };
+            let cosine = if cosine.re() > longest {
+                zero + longest
+            } else {
+                cosine
+            };
             let knee = cosine.acos();
             let thigh = x.atan2(down) - (knee.sin() * l2).atan2(knee.cos() * l2 + l1);
             q[leg.hip_index()] = thigh;
@@ -122,8 +145,15 @@ impl Guess {
             put(layout.duration(phase), &[duration]);
             put(layout.share(phase), &[duration / self.period_s()]);
             let h = duration / problem.mesh.intervals(phase) as f64;
-            put(layout.phase_start_w(phase), &state(start_s).map(|c| h * c.v1));
-            for place in layout.places().into_iter().filter(|place| place.phase == phase) {
+            put(
+                layout.phase_start_w(phase),
+                &state(start_s).map(|c| h * c.v1),
+            );
+            for place in layout
+                .places()
+                .into_iter()
+                .filter(|place| place.phase == phase)
+            {
                 let c = Problem::RADAU_C[place.stage];
                 let at = state(start_s + (place.interval as f64 + c) * h);
                 put(layout.q(place), &at.map(|c| c.re));
@@ -150,7 +180,10 @@ impl Guess {
         let biped = &problem.biped;
         let weight = biped.total_mass_kg() * biped.gravity_m_s2;
         let force = [0.0, weight * self.period_s() / (2.0 * self.stance_s)];
-        let contacts: Vec<(Leg, [f64; 2])> = STANDING[place.phase].map(|leg| (leg, force)).into_iter().collect();
+        let contacts: Vec<(Leg, [f64; 2])> = STANDING[place.phase]
+            .map(|leg| (leg, force))
+            .into_iter()
+            .collect();
         let rows = residual(
             biped,
             &at.map(|c| c.re),
@@ -160,6 +193,9 @@ impl Guess {
             &contacts,
         );
         let limits = [biped.hip_torque_n_m, biped.knee_torque_n_m];
-        (std::array::from_fn(|k| rows[3 + k].clamp(-limits[k % 2], limits[k % 2])), force)
+        (
+            std::array::from_fn(|k| rows[3 + k].clamp(-limits[k % 2], limits[k % 2])),
+            force,
+        )
     }
 }

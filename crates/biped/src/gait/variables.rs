@@ -34,18 +34,47 @@ pub(super) fn variables(problem: &Problem, layout: &Layout) -> Vec<Variable> {
     let pushing = [0.0, f64::INFINITY];
 
     for phase in 0..PHASES {
-        let shortest = if STANDING[phase].is_some() { limits.stance_s } else { limits.flight_s };
+        let shortest = if STANDING[phase].is_some() {
+            limits.stance_s
+        } else {
+            limits.flight_s
+        };
         let durations = [shortest, limits.phase_s];
-        set(layout.duration(phase), format!("duration {phase}"), durations, scale::PHASE_S);
-        set(layout.share(phase), format!("share {phase}"), free, scale::SHARE);
+        set(
+            layout.duration(phase),
+            format!("duration {phase}"),
+            durations,
+            scale::PHASE_S,
+        );
+        set(
+            layout.share(phase),
+            format!("share {phase}"),
+            free,
+            scale::SHARE,
+        );
         for k in 0..COORDINATES {
-            set(layout.phase_start_w(phase) + k, format!("start {phase} w{k}"), free, scale::W);
+            set(
+                layout.phase_start_w(phase) + k,
+                format!("start {phase} w{k}"),
+                free,
+                scale::W,
+            );
         }
     }
-    set(layout.period(), "period".into(), free, PHASES as f64 * scale::PHASE_S);
+    set(
+        layout.period(),
+        "period".into(),
+        free,
+        PHASES as f64 * scale::PHASE_S,
+    );
     set(layout.speed(), "mean speed".into(), free, scale::SPEED_M_S);
     if let Some(acceleration) = layout.acceleration() {
-        set(acceleration, "mean acceleration".into(), free, scale::ACCELERATION_M_S2);
+        set(
+            acceleration,
+            "mean acceleration".into(),
+            free,
+            scale::ACCELERATION_M_S2,
+        );
     }
 
     // The stride starts at x = 0. Its other coordinates are those of its end, which
@@ -62,7 +91,10 @@ pub(super) fn variables(problem: &Problem, layout: &Layout) -> Vec<Variable> {
     let torques = [biped.hip_torque_n_m, biped.knee_torque_n_m];
     for place in layout.places() {
         let name = |what: &str, k: usize| {
-            format!("{what}{k} at {}.{}.{}", place.phase, place.interval, place.stage)
+            format!(
+                "{what}{k} at {}.{}.{}",
+                place.phase, place.interval, place.stage
+            )
         };
         for (k, range) in ranges.into_iter().enumerate() {
             set(layout.q(place) + k, name("q", k), range, scale::LENGTH_M);
@@ -71,7 +103,12 @@ pub(super) fn variables(problem: &Problem, layout: &Layout) -> Vec<Variable> {
         }
         for k in 0..JOINTS {
             let limit = torques[k % 2];
-            set(layout.torques(place) + k, name("torque ", k), [-limit, limit], scale::TORQUE_N_M);
+            set(
+                layout.torques(place) + k,
+                name("torque ", k),
+                [-limit, limit],
+                scale::TORQUE_N_M,
+            );
         }
         if let Some(force) = layout.force(place) {
             set(force, name("force x", 0), free, scale::FORCE_N);
@@ -80,8 +117,18 @@ pub(super) fn variables(problem: &Problem, layout: &Layout) -> Vec<Variable> {
     }
     for flight in [1, 3] {
         if let Some(impulse) = layout.impulse(flight) {
-            set(impulse, format!("impulse x after {flight}"), free, scale::IMPULSE_N_S);
-            set(impulse + 1, format!("impulse y after {flight}"), pushing, scale::IMPULSE_N_S);
+            set(
+                impulse,
+                format!("impulse x after {flight}"),
+                free,
+                scale::IMPULSE_N_S,
+            );
+            set(
+                impulse + 1,
+                format!("impulse y after {flight}"),
+                pushing,
+                scale::IMPULSE_N_S,
+            );
         }
     }
     list

@@ -2,8 +2,10 @@
 
 mod audit;
 mod diagnosis;
+mod envelope;
 mod friction_curves;
 mod identification;
+mod machine;
 mod materials;
 mod validation;
 
@@ -17,6 +19,7 @@ pub fn all() -> Vec<&'static dyn Stage> {
         &identification::Identification,
         &validation::Validation,
         &materials::Materials,
+        &envelope::Envelope,
         &diagnosis::Diagnosis,
     ]
 }
