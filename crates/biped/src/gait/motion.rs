@@ -131,13 +131,13 @@ impl Motion {
     }
 
     /// Change of linear momentum over the stride minus the impulses of ground and gravity, N s:
-    /// zero but for rounding, because the momentum balance is two rows of the equations of motion.
+    /// an error of the mesh, because momentum is not linear in the collocated rates.
     pub fn momentum_gap_n_s(&self, problem: &Problem) -> [f64; 2] {
         let Some(end) = self.samples.last() else {
             return [0.0; 2];
         };
         let biped = &problem.biped;
-        let before = momenta(biped, &self.start.0, &self.start_before_impact()).0;
+        let before = momenta(biped, &self.start.0, &self.start.1).0;
         let after = momenta(biped, &end.q, &end.v).0;
         let ground = self.ground_impulse_n_s();
         let last = self.impulses_n_s[1];
@@ -147,10 +147,6 @@ impl Motion {
             after[0] - before[0] - (ground[0] - last[0]),
             after[1] - before[1] - (ground[1] - last[1] - weight),
         ]
-    }
-
-    fn start_before_impact(&self) -> [f64; COORDINATES] {
-        self.start.1
     }
 
     /// Work of torques and ground against the change of energy over all phases, J, relative to the

@@ -4,6 +4,7 @@ mod audit;
 mod diagnosis;
 mod envelope;
 mod friction_curves;
+mod gait;
 mod identification;
 mod machine;
 mod materials;
@@ -20,6 +21,7 @@ pub fn all() -> Vec<&'static dyn Stage> {
         &validation::Validation,
         &materials::Materials,
         &envelope::Envelope,
+        &gait::Gait,
         &diagnosis::Diagnosis,
     ]
 }

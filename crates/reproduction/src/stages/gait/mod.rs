@@ -1,0 +1,280 @@
+//! The gait (Figs 10 to 12, claims C10, C11 and C22).
+
+mod drawings;
+mod extrapolation;
+mod figures;
+mod strides;
+mod words;
+
+use biped::gait::STANDING;
+use biped::gait::motion::Motion;
+use biped::kinematics::foot_velocity;
+use report::figure::Figure;
+use report::{Block, Evidence, Value};
+
+use self::strides::{CONTACT, Kind, MAP_WEIGHT, Mount, Solved, WEIGHTS};
+use super::machine;
+use crate::stage::{Needs, Stage, StageContext, StageError, StageOutput, StageStatus, TableFile};
+
+/// The gait.
+pub(super) struct Gait;
+
+/// Targets of Figs 11 and 12 as ids in the starts.
+struct Targets {
+    low: f64,
+    high: f64,
+}
+
+impl Stage for Gait {
+    fn id(&self) -> &'static str {
+        "gait"
+    }
+
+    fn title(&self) -> &'static str {
+        "strides of the biped"
+    }
+
+    fn needs(&self) -> Needs {
+        Needs::default()
+    }
+
+    fn run(&self, context: &StageContext<'_>) -> Result<StageOutput, StageError> {
+        let published = context.published;
+        let biped = machine::biped(published)?;
+        let brush = machine::brush(published)?;
+        let targets = Targets {
+            low: published.value("gait.target_speed_fig11")?,
+            high: published.value("gait.target_speed_fig12")?,
+        };
+        let quick = context.quick;
+        let solved = strides::solve(&biped, brush, |start| {
+            !quick || (start.kind == Kind::Compliant && (start.k, start.c) == CONTACT)
+        })?;
+        context.say(&format!("{} strides solved", solved.len()));
+
+        let mut output = StageOutput::done();
+        let mut blocks = vec![Block::from(drawings::machine(&biped))];
+        let compliant = best_speeds(&solved, Kind::Compliant, &targets, "gait", context, &mut output)?;
+        blocks.push(compliant.into());
+        if !quick {
+            let rigid = best_speeds(&solved, Kind::Rigid, &targets, "gait.rigid", context, &mut output)?;
+            blocks.push(rigid.into());
+        }
+        let at_low = |mount: Mount| {
+            solved.iter().find(|s| s.is(Kind::Compliant, CONTACT, mount, MAP_WEIGHT, targets.low))
+        };
+        if let (Some(symmetric), Some(asymmetric)) = (at_low(Mount::Symmetric), at_low(Mount::Asymmetric)) {
+            let motions = [
+                (Mount::Symmetric, &symmetric.outcome.motion),
+                (Mount::Asymmetric, &asymmetric.outcome.motion),
+            ];
+            direction_values(&motions, &mut output);
+            let mean = brush.symmetric().forward;
+            blocks.push(figures::directions(&motions, [brush.forward, brush.reverse, mean]).into());
+            let motion = &asymmetric.outcome.motion;
+            blocks.push(figures::paths(motion, &biped).into());
+            let cone = [brush.forward, brush.reverse];
+            blocks.push(drawings::animation("gait-animation", "One stride, asymmetric brush", motion, &biped, cone).into());
+        }
+        blocks.push(map(&solved, &targets, published.value("gait.gain")?, &mut output).into());
+        impulses(&solved, &targets, &mut output);
+        if !quick {
+            accelerating(&solved, &targets, &mut output)?;
+        }
+        let slip = largest_slip(&solved);
+        let (figure, values) = extrapolation::figure(published, [brush.forward, brush.reverse], slip)?;
+        blocks.push(figure.into());
+        output.values.extend(values);
+        quality(&solved, &mut output);
+        output.tables.push(table(&solved));
+        output.sections.push(words::section(blocks, &output.values, quick));
+        Ok(output)
+    }
+}
+
+fn value(id: String, number: f64, unit: &str) -> Value {
+    Value::new(id, number, unit, "gait", Evidence::Computed)
+}
+
+/// Values and figure of the sweep over the speed weights with one contact.
+fn best_speeds(
+    solved: &[Solved],
+    kind: Kind,
+    targets: &Targets,
+    prefix: &str,
+    context: &StageContext<'_>,
+    output: &mut StageOutput,
+) -> Result<Figure, StageError> {
+    let mut rows = Vec::new();
+    let mut means = Vec::new();
+    for mount in Mount::ALL {
+        let of = |weight: f64| solved.iter().find(|s| s.is(kind, CONTACT, mount, weight, targets.high));
+        let speeds: Vec<Option<f64>> =
+            WEIGHTS.iter().map(|&weight| of(weight).map(|s| s.outcome.motion.speed_m_s)).collect();
+        for (weight, speed) in WEIGHTS.iter().zip(&speeds) {
+            let id = format!("{prefix}.speed.{}.qv-{weight}", mount.id());
+            output.values.push(value(id, speed.unwrap_or(f64::NAN), "m/s"));
+        }
+        let certified = WEIGHTS.iter().filter_map(|&w| of(w)).filter(|s| s.outcome.is_certified()).count();
+        output.values.push(value(format!("{prefix}.certified.{}", mount.id()), certified as f64, "1"));
+        let mean = speeds.iter().map(|s| s.unwrap_or(f64::NAN)).sum::<f64>() / WEIGHTS.len() as f64;
+        let id = format!("{prefix}.best_speed.{}", mount.id());
+        let mut mean_value = value(id.clone(), mean, "m/s");
+        if let Some(printed) = context.published.get(&id) {
+            mean_value = mean_value.with_published(&printed.printed);
+        }
+        output.values.push(mean_value);
+        means.push(mean);
+        rows.push((mount, speeds));
+    }
+    let gain = 100.0 * (means[1] / means[0] - 1.0);
+    let mut gain_value = value(format!("{prefix}.gain"), gain, "percent");
+    if let Some(printed) = context.published.get(&format!("{prefix}.gain")) {
+        gain_value = gain_value.with_published(&printed.printed);
+    }
+    output.values.push(gain_value);
+    let (id, title) = match kind {
+        Kind::Compliant => ("fig-12", "Best speeds, compliant contact"),
+        Kind::Rigid => ("fig-12-rigid", "Best speeds, rigid contact with impact"),
+    };
+    figures::speeds(id, title, &rows, context.published)
+}
+
+/// Range of force directions at the lower target.
+fn direction_values(motions: &[(Mount, &Motion)], output: &mut StageOutput) {
+    for (mount, motion) in motions {
+        let [low, high] = motion.directions();
+        for (end, number) in [("smallest", low), ("largest", high)] {
+            output.values.push(value(format!("gait.force_direction.{}.{end}", mount.id()), number, "1"));
+        }
+    }
+}
+
+/// Gain over contact stiffness and loss at one weight.
+fn map(solved: &[Solved], targets: &Targets, printed_gain: f64, output: &mut StageOutput) -> Figure {
+    let in_map = |s: &&Solved| s.start.kind == Kind::Compliant && s.start.weight == MAP_WEIGHT;
+    let axis = |pick: fn(&Solved) -> f64| {
+        let mut list: Vec<f64> = solved.iter().filter(in_map).map(pick).collect();
+        list.sort_by(f64::total_cmp);
+        list.dedup();
+        list
+    };
+    let (stiffnesses, losses) = (axis(|s| s.start.k), axis(|s| s.start.c));
+    let mut cells = Vec::new();
+    for &k in &stiffnesses {
+        let mut row = Vec::new();
+        for &c in &losses {
+            let speed = |mount: Mount| {
+                solved
+                    .iter()
+                    .find(|s| s.is(Kind::Compliant, (k, c), mount, MAP_WEIGHT, targets.high))
+                    .filter(|s| s.outcome.is_certified())
+                    .map(|s| s.outcome.motion.speed_m_s)
+            };
+            let gain = match (speed(Mount::Symmetric), speed(Mount::Asymmetric)) {
+                (Some(symmetric), Some(asymmetric)) => Some(100.0 * (asymmetric / symmetric - 1.0)),
+                _ => None,
+            };
+            if let Some(gain) = gain {
+                output.values.push(value(format!("gait.map.k-{k}.c-{c}"), gain, "percent"));
+            }
+            row.push(gain);
+        }
+        cells.push(row);
+    }
+    figures::map(&stiffnesses, &losses, &cells, printed_gain)
+}
+
+/// Forward and braking impulses of the fastest strides: over a period they cancel.
+fn impulses(solved: &[Solved], targets: &Targets, output: &mut StageOutput) {
+    for mount in Mount::ALL {
+        let found = solved.iter().find(|s| s.is(Kind::Compliant, CONTACT, mount, MAP_WEIGHT, targets.high));
+        let Some(solved) = found else { continue };
+        let motion = &solved.outcome.motion;
+        let [forward, braking] = motion.forward_and_braking_n_s();
+        let net = motion.ground_impulse_n_s()[0];
+        for (name, number) in [("forward", forward), ("braking", braking), ("net", net)] {
+            output.values.push(value(format!("gait.impulse.{}.{name}", mount.id()), number, "N s"));
+        }
+    }
+}
+
+/// Mean acceleration of strides that may end faster than they began.
+fn accelerating(solved: &[Solved], targets: &Targets, output: &mut StageOutput) -> Result<(), StageError> {
+    let of = |mount: Mount| solved.iter().find(|s| s.is(Kind::Compliant, CONTACT, mount, MAP_WEIGHT, targets.low));
+    let periodic: Vec<&Solved> = Mount::ALL.into_iter().filter_map(of).collect();
+    let strides = strides::accelerate(&periodic, targets.low)?;
+    let mut certified = Vec::new();
+    for stride in &strides {
+        let name = stride.start.brush.id();
+        let acceleration = stride.outcome.motion.acceleration_m_s2;
+        if stride.outcome.is_certified() {
+            output.values.push(value(format!("gait.acceleration.{name}"), acceleration, "m/s^2"));
+            certified.push((stride.start.brush, acceleration));
+        }
+        output.work.insert(format!("accelerating stride, {name}: steps"), stride.outcome.iterations as u64);
+    }
+    let of = |mount: Mount| certified.iter().find(|(m, _)| *m == mount).map(|(_, a)| *a);
+    if let (Some(symmetric), Some(asymmetric)) = (of(Mount::Symmetric), of(Mount::Asymmetric)) {
+        output.values.push(value("gait.acceleration.gain".into(), 100.0 * (asymmetric / symmetric - 1.0), "percent"));
+    }
+    Ok(())
+}
+
+/// Largest slip of a loaded foot over all strides, m/s.
+fn largest_slip(solved: &[Solved]) -> f64 {
+    solved
+        .iter()
+        .flat_map(|s| s.outcome.motion.samples.iter().map(move |sample| (s, sample)))
+        .filter(|(_, sample)| sample.force_n[1] > 1.0)
+        .filter_map(|(s, sample)| {
+            let leg = STANDING[sample.phase]?;
+            Some(foot_velocity(&s.outcome.problem.biped, &sample.q, &sample.v, leg)[0].abs())
+        })
+        .fold(0.0, f64::max)
+}
+
+/// How far the numbers can be trusted: certificates, and the mesh against a finer integration.
+fn quality(solved: &[Solved], output: &mut StageOutput) {
+    let certified = solved.iter().filter(|s| s.outcome.is_certified()).count();
+    let worst = |pick: &dyn Fn(&Solved) -> f64| solved.iter().map(pick).fold(0.0, f64::max);
+    let energy = worst(&|s| s.outcome.motion.energy_gap(&s.outcome.problem));
+    for (id, number) in [
+        ("gait.strides.certified", certified as f64),
+        ("gait.strides.solved", solved.len() as f64),
+        ("gait.mesh.worst_energy_gap", energy),
+    ] {
+        output.values.push(value(id.into(), number, "1"));
+    }
+    let steps: usize = solved.iter().map(|s| s.outcome.iterations).sum();
+    let subproblems: usize = solved.iter().map(|s| s.outcome.subproblems).sum();
+    output.work.insert("steps of the solver".into(), steps as u64);
+    output.work.insert("quadratic subproblems".into(), subproblems as u64);
+    if certified < solved.len() {
+        let detail = format!("{} of {} strides lack a certificate", solved.len() - certified, solved.len());
+        output.status = StageStatus::NotConverged(detail);
+    }
+}
+
+/// Every stride with its status.
+fn table(solved: &[Solved]) -> TableFile {
+    let mut csv = String::from("contact,k,c,brush,weight,target_m_s,status,cost,speed_m_s,period_s,effort\n");
+    for s in solved {
+        let (start, outcome) = (&s.start, &s.outcome);
+        csv.push_str(&format!(
+            "{:?},{},{},{},{},{},{:?},{},{},{},{}\n",
+            start.kind,
+            start.k,
+            start.c,
+            start.brush.id(),
+            start.weight,
+            start.aim,
+            outcome.status,
+            outcome.cost,
+            outcome.motion.speed_m_s,
+            outcome.motion.period_s(),
+            outcome.motion.effort(&outcome.problem),
+        ));
+    }
+    TableFile { name: "gait-strides".into(), csv }
+}

@@ -1,0 +1,62 @@
+//! What the gait stage says. Numbers come by their ids.
+
+use report::{Block, NoticeKind, Section, Value};
+
+fn has(values: &[Value], id: &str) -> bool {
+    values.iter().any(|value| value.id == id && value.value.is_some())
+}
+
+/// The chapter around the figures.
+pub(super) fn section(figures: Vec<Block>, values: &[Value], quick: bool) -> Section {
+    let mut blocks = figures;
+    blocks.push(Block::heading("gait-why", "Why a larger forward limit moves the top speed so little"));
+    if has(values, "gait.impulse.asymmetric.forward") {
+        blocks.push(Block::prose(
+            "Over a periodic stride the forward impulses of the ground cancel. With the asymmetric brush the feet push \
+             forward by {{ v(\"gait.impulse.asymmetric.forward\", 3) }} and brake by \
+             {{ v(\"gait.impulse.asymmetric.braking\", 3) }}: net {{ v(\"gait.impulse.asymmetric.net\", 2) }}, which is the \
+             error of the mesh. Torque, leg swing and reach then set the top speed; friction matters where contact loses \
+             speed in every stance.",
+        ));
+    }
+    if has(values, "gait.acceleration.gain") {
+        blocks.push(Block::prose(
+            "In a stride that may end faster than it began, started at the speed of Fig. 11, the mean acceleration rises by \
+             {{ v(\"gait.acceleration.gain\", 3) }}: the paper's argument is one about acceleration.",
+        ));
+    }
+    blocks.push(Block::notice(
+        NoticeKind::Caution,
+        "What is not published",
+        "Cost function, contact stiffness and loss, limits of posture and phases: all of them are this project's choices, and \
+         the speeds are theirs as much as the machine's. Local minima dominate: a better one than those found may exist. The \
+         starts ship with the project (found by an independent optimiser on the same problems, cross-seeded); every problem \
+         is solved again from them here.",
+    ));
+    blocks.push(Block::notice(
+        NoticeKind::Note,
+        "How far the mesh resolves a stride",
+        "Eight intervals a stance and five a flight, two-stage Radau: over a stride the work of torques and ground misses the \
+         change of energy by up to {{ v(\"gait.mesh.worst_energy_gap\", 2) }} of the kinetic energy.",
+    ));
+    let lead = "On the compliant contact the best strides reach {{ v(\"gait.best_speed.symmetric\", 4) }} with the symmetric, \
+                {{ v(\"gait.best_speed.asymmetric\", 4) }} with the asymmetric brush and \
+                {{ v(\"gait.best_speed.backwards\", 4) }} with the brush mounted backwards: a gain of \
+                {{ v(\"gait.gain\", 3) }}, where the paper prints {{ published(\"gait.gain\") }} %.";
+    Section {
+        id: "gait".into(),
+        title: "Strides of the biped".into(),
+        lead: lead.into(),
+        method: Some(
+            "One stride: front stance, flight, rear stance, flight, periodic but for the distance. Cost \
+             $Q_v (\\bar v - v_{\\mathrm{aim}})^2 + \\overline{\\sum \\tau^2}/\\tau_{\\max}^2$; two-stage Radau collocation with free \
+             durations; sequential quadratic programming on Clarabel. {{ n(\"gait.strides.certified\") }} of \
+             {{ n(\"gait.strides.solved\") }} strides carry a certificate (first and second order); the others meet the \
+             equations of motion but are not proven to be minima, and say so in the table of strides."
+                .into(),
+        ),
+        status: quick.then(|| "quick look: the sweep of one contact only".to_owned()),
+        claims: vec!["C10".into(), "C11".into(), "C22".into()],
+        blocks,
+    }
+}
