@@ -235,3 +235,23 @@ fn derivatives_pass_the_taylor_test() {
         assert!((3.3..4.7).contains(&ratio), "step {h}: ratio {ratio}");
     }
 }
+
+/// Values of a second program: the Lagrangian differentiated by CasADi (benches/gait/stride.py).
+#[test]
+fn generalised_forces_are_those_of_a_second_program() {
+    let q = [0.3, 0.41, 0.12, -0.8, 1.5, -0.4, 1.1];
+    let v = [6.0, -0.3, 1.2, -14.0, 9.0, 11.0, -7.0];
+    let a = [12.0, -9.0, 30.0, -150.0, 220.0, 90.0, -310.0];
+    let golden = [
+        174.01148589735416,
+        66.78649804888454,
+        25.525120966098253,
+        -3.2747400099089603,
+        1.9202027000780273,
+        6.67881990398669,
+        -1.2009101867308547,
+    ];
+    for (ours, golden) in inverse_dynamics(&sample::biped(), &q, &v, &a).into_iter().zip(golden) {
+        assert!(close(ours, golden, 1e-12), "{ours} / {golden}");
+    }
+}

@@ -1,0 +1,131 @@
+//! Strides: the programme against its definition, and solutions against the physics.
+
+mod sample;
+
+use biped::contact::{Brush, Ground};
+use biped::gait::chain::{Case, Outcome, solve_all};
+use biped::gait::layout::Layout;
+use biped::gait::programme::Stride;
+use biped::gait::start::Guess;
+use biped::gait::{Contact, Goal, Limits, Mesh, Problem, STANDING, Touchdown};
+use biped::kinematics::{Leg, leg_points};
+use trajectory::{Block, Options, Programme};
+
+const BRUSH: Brush = Brush { forward: 0.9049, reverse: 0.4314 };
+
+fn problem(contact: Contact, brush: Brush, weight: f64, aim_m_s: f64) -> Problem {
+    Problem {
+        biped: sample::biped(),
+        brush,
+        contact,
+        goal: Goal::Speed { weight, aim_m_s },
+        limits: Limits::default(),
+        mesh: Mesh::default(),
+        rate_weight_s2: 1e-6,
+    }
+}
+
+/// The shipped start of one problem, and the cost that a second program (CasADi with IPOPT) found from it.
+fn shipped(kind: &str, brush: &str, weight: f64, aim: f64) -> Vec<f64> {
+    let text = include_str!("../../../data/strides.json");
+    let file: serde_json::Value = serde_json::from_str(text).unwrap();
+    let row = file["starts"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|row| row["kind"] == kind && row["brush"] == brush && row["weight"] == weight && row["aim"] == aim)
+        .unwrap();
+    row["x"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+}
+
+fn solved(problem: Problem, start: Vec<f64>) -> Outcome {
+    let options = Options { max_iterations: 60, ..Options::default() };
+    solve_all(&[Case { problem, starts: vec![start] }], &options).unwrap().remove(0)
+}
+
+const STIFF: Contact =
+    Contact::Compliant(Ground { stiffness_n_m15: 2e5, loss_s_m: 1.0, slip_scale_m_s: 0.1 });
+
+#[test]
+fn a_compliant_stride_is_certified_and_obeys_the_physics() {
+    let problem = problem(STIFF, BRUSH.symmetric(), 0.01, 20.0);
+    let outcome = solved(problem, shipped("compliant", "symmetric", 0.01, 20.0));
+    assert!(outcome.is_certified(), "{:?}", outcome.status);
+    let motion = &outcome.motion;
+    // Cost from its definition.
+    let cost = 0.01 * (motion.speed_m_s - 20.0).powi(2) + motion.effort(&problem);
+    assert!((cost - outcome.cost).abs() < 2e-3 * cost, "{cost} / {}", outcome.cost);
+    // Impulses cancel over a period, up to the error of the mesh.
+    let [forward, braking] = motion.forward_and_braking_n_s();
+    assert!(forward > 1.0 && (forward - braking).abs() < 0.02 * forward, "{forward} {braking}");
+    assert!(motion.energy_gap(&problem) < 0.03);
+    // Forces push only, and lie within the friction limits.
+    let limit = BRUSH.symmetric().forward;
+    for s in motion.samples.iter().filter(|s| STANDING[s.phase].is_some()) {
+        assert!(s.force_n[1] >= -1e-6);
+        assert!(s.force_n[0].abs() <= limit * s.force_n[1] + 1e-6);
+    }
+    // Distance over period is the mean speed.
+    let end = motion.samples.last().unwrap();
+    assert!((end.q[0] / motion.period_s() - motion.speed_m_s).abs() < 1e-9);
+}
+
+#[test]
+fn a_rigid_foot_stands_still_and_its_impact_conserves_what_it_must() {
+    let problem = problem(Contact::Rigid(Touchdown::Impact), BRUSH, 0.01, 20.0);
+    let outcome = solved(problem, shipped("rigid", "asymmetric", 0.01, 20.0));
+    assert!(outcome.is_certified(), "{:?}", outcome.status);
+    for s in &outcome.motion.samples {
+        if let Some(leg) = STANDING[s.phase] {
+            let speed = biped::kinematics::foot_velocity(&problem.biped, &s.q, &s.v, leg);
+            assert!(speed[0].hypot(speed[1]) < 1e-7, "{speed:?}");
+        }
+    }
+    // Momentum jumps by the impulse: landing after the first flight.
+    let before = outcome.motion.samples.iter().rev().find(|s| s.phase == 1).unwrap();
+    let after = outcome.motion.phase_starts[2];
+    let p0 = biped::dynamics::momenta(&problem.biped, &before.q, &before.v).0;
+    let p1 = biped::dynamics::momenta(&problem.biped, &before.q, &after).0;
+    for k in 0..2 {
+        assert!((p1[k] - p0[k] - outcome.motion.impulses_n_s[0][k]).abs() < 1e-7);
+    }
+    // Energy is lost in an impact, never won.
+    let energy = |v| biped::dynamics::energies(&problem.biped, &before.q, v).0;
+    assert!(energy(&after) <= energy(&before.v) + 1e-9);
+}
+
+#[test]
+fn the_guess_puts_standing_feet_into_the_ground_and_the_others_above() {
+    let problem = problem(STIFF, BRUSH, 1.0, 20.0);
+    let x = Guess::default().variables(&problem);
+    let layout = Layout::new(&problem);
+    assert_eq!(x.len(), layout.count());
+    for place in layout.places().into_iter().filter(|&place| !layout.is_last(place)) {
+        let q = std::array::from_fn(|k| x[layout.q(place) + k]);
+        for leg in Leg::BOTH {
+            let height = leg_points(&problem.biped, &q, leg).foot[1];
+            assert_eq!(height < 0.0, STANDING[place.phase] == Some(leg), "{place:?} {leg:?} {height}");
+        }
+    }
+}
+
+/// Blocks name existing variables once, and every variable is used somewhere.
+#[test]
+fn the_programme_is_well_formed() {
+    for contact in [STIFF, Contact::Rigid(Touchdown::Impact), Contact::Rigid(Touchdown::Still)] {
+        let stride = Stride::new(problem(contact, BRUSH, 1.0, 20.0));
+        let count = stride.layout.count();
+        let mut used = vec![false; count];
+        let blocks: Vec<Block> = stride.blocks();
+        for index in blocks.iter().flat_map(|b| b.variables.iter().copied()) {
+            used[index] = true;
+        }
+        for index in stride.linear().iter().flat_map(|row| row.terms.iter().map(|t| t.0)) {
+            used[index] = true;
+        }
+        assert_eq!(stride.variables().len(), count);
+        // Only the fixed x at the start stands in bounds alone.
+        let idle: Vec<usize> = (0..count).filter(|&k| !used[k]).collect();
+        assert!(idle.is_empty(), "{contact:?}: {idle:?}");
+    }
+}
