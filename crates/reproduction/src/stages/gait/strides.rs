@@ -21,7 +21,7 @@ const SLIP_SCALE_M_S: f64 = 0.1;
 /// Weight of the mean squared joint rates, s^2.
 const RATE_WEIGHT_S2: f64 = 1e-6;
 /// Steps that a solve may take from a start that is already near.
-const MAX_ITERATIONS: usize = 30;
+const MAX_ITERATIONS: usize = 16;
 
 /// How the brush is mounted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
@@ -159,7 +159,7 @@ pub(super) fn accelerate(periodic: &[&Solved], start_m_s: f64) -> Result<Vec<Sol
             Case { problem, starts: vec![x] }
         })
         .collect();
-    let options = Options { max_iterations: 3 * MAX_ITERATIONS, ..options() };
+    let options = Options { max_iterations: 2 * MAX_ITERATIONS, ..options() };
     let outcomes = solve_all(&cases, &options).map_err(|error| StageError::Failed(error.to_string()))?;
     Ok(periodic
         .iter()
