@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use crate::held_out::{HeldOut, held_out};
 use crate::identify::{Identification, identify};
 use crate::question::{IdentificationError, Question};
+use crate::thinning::thinned;
 
 /// One law on a campaign.
 pub struct LawFit {
@@ -22,8 +23,12 @@ pub struct LawFit {
     pub direction_ratio: Option<f64>,
 }
 
+/// Samples beyond which laws are compared on a thinned record: their differences are far larger than what it loses.
+const MOST: usize = 6000;
+
 /// Fits every law to a campaign: values and noise, no intervals.
 pub fn compare_laws(campaign: &Campaign) -> Vec<LawFit> {
+    let campaign = &thinned(campaign, MOST);
     LawKind::ALL
         .par_iter()
         .map(|&law| {

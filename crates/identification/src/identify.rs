@@ -16,6 +16,7 @@ use crate::problem::{Problem, noise_context};
 use crate::quality::{Quality, lack_of_fit, repeat_floor, sizes};
 use crate::question::{IdentificationError, Question};
 use crate::starts::starts;
+use crate::thinning::thinned;
 
 /// One parameter of a law or an effect.
 #[derive(Clone, Debug, PartialEq)]
@@ -237,28 +238,34 @@ pub fn identify_prepared(
         noise: question.noise,
         floor: repeat_floor(campaign),
     };
-    let first = first_of_each(campaign, &model, question.placement)?;
+    let first = rough_part(campaign, &model, question.placement)?;
     let fitted = task.run(&starts, first.as_ref().map(|(e, m)| (e, m)))?;
     Ok(report(
         campaign, experiment, question, &model, &bounds, fitted,
     ))
 }
 
-/// The first run of every condition, on which starts are compared: repeats cost time there and tell nothing. `None`
-/// where there is nothing to leave out, or where runs bring parameters of their own.
-fn first_of_each(
+/// Samples on which starts are compared.
+const ROUGH_SAMPLES: usize = 4000;
+
+/// What starts are compared on: the first run of every condition (repeats cost time there and tell nothing), or all runs
+/// where they bring parameters of their own, thinned. `None` where there is nothing to leave out.
+fn rough_part(
     campaign: &Campaign,
     model: &Model,
     placement: CosinePlacement,
 ) -> Result<Option<(Experiment, Model)>, IdentificationError> {
-    let conditions = campaign.conditions();
-    if conditions.len() == campaign.runs.len() || !model.initial_states().is_empty() {
+    let mut part = campaign.clone();
+    if model.initial_states().is_empty() {
+        let mut kept: Vec<usize> = campaign.conditions().iter().map(|c| c[0]).collect();
+        kept.sort_unstable();
+        part.runs = kept.iter().map(|&k| campaign.runs[k].clone()).collect();
+    }
+    let part = thinned(&part, ROUGH_SAMPLES);
+    let samples = |c: &Campaign| -> usize { c.runs.iter().map(|run| run.time_s.len()).sum() };
+    if samples(&part) == samples(campaign) {
         return Ok(None);
     }
-    let mut kept: Vec<usize> = conditions.iter().map(|c| c[0]).collect();
-    kept.sort_unstable();
-    let mut part = campaign.clone();
-    part.runs = kept.iter().map(|&k| campaign.runs[k].clone()).collect();
     let experiment = Experiment::new(&part)?;
     let model =
         Model::new(model.law, model.effects().to_vec(), &experiment)?.with_placement(placement);

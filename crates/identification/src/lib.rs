@@ -22,6 +22,7 @@ mod question;
 mod resampling;
 mod simulate;
 mod starts;
+mod thinning;
 
 pub use band::{Band, prediction_band};
 pub use compare_laws::{LawFit, compare_laws};

@@ -142,29 +142,41 @@ pub fn in_paper_form(
             }
         })
         .collect();
-    let curve = |j: usize, values: &[f64]| {
-        profile_curve(
-            &problem,
-            &fit,
-            j,
-            &bounds,
-            values,
-            &ProfileOptions::new(1.0, 0.1 * scales[0]),
-        )
-        .map(|points| (specs[j].name.to_string(), points))
-        .map_err(refuse)
+    // A profile at a scaled value begins at the point of the ray that the fit itself gives: what it reports is then a
+    // minimum over the others at most as high as that point.
+    let along = |j: usize| -> Result<(String, Vec<ProfilePoint>), IdentificationError> {
+        let points = factors
+            .iter()
+            .map(|factor| {
+                let mut on_ray = fit.parameters.clone();
+                for k in [SIGMA, THETA_C, THETA_S] {
+                    on_ray[k] *= factor;
+                }
+                let value = on_ray[j];
+                let held = bounds.with_fixed(j, value);
+                let inner = minimise(&problem, &on_ray, &held, &Options::warm()).map_err(refuse)?;
+                Ok(ProfilePoint {
+                    value,
+                    deviance: 2.0 * (inner.cost - fit.cost),
+                    parameters: inner.parameters,
+                    at_bound: inner.at_bound,
+                    status: inner.status,
+                })
+            })
+            .collect::<Result<Vec<_>, IdentificationError>>()?;
+        Ok((specs[j].name.to_string(), points))
     };
     let profiles = [SIGMA, THETA_C, THETA_S]
         .into_iter()
-        .map(|j| {
-            let values: Vec<f64> = factors.iter().map(|f| f * fit.parameters[j]).collect();
-            curve(j, &values)
-        })
+        .map(along)
         .collect::<Result<Vec<_>, _>>()?;
     let narrow: Vec<f64> = (-6..=6)
         .map(|k| fit.parameters[SIGMA0] * (1.0 + 0.01 * f64::from(k)))
         .collect();
-    let contrast = curve(SIGMA0, &narrow)?;
+    let options = ProfileOptions::new(1.0, 0.01 * fit.parameters[SIGMA0]);
+    let contrast = profile_curve(&problem, &fit, SIGMA0, &bounds, &narrow, &options)
+        .map(|points| (specs[SIGMA0].name.to_string(), points))
+        .map_err(refuse)?;
     Ok(PaperForm {
         names: columns.iter().map(|&j| specs[j].name.to_string()).collect(),
         identifiability: identifiability(&jacobian, &scales),
