@@ -14,8 +14,8 @@ pub struct Refusal {
     pub row: Option<usize>,
     /// The column of a CSV file.
     pub column: Option<String>,
-    /// What is wrong.
-    pub problem: Problem,
+    /// What is wrong (boxed: a refusal travels through every `Result` of the door).
+    pub problem: Box<Problem>,
 }
 
 /// What can be wrong with a package.
@@ -210,7 +210,7 @@ impl Refusal {
             field: None,
             row: None,
             column: None,
-            problem,
+            problem: Box::new(problem),
         }
     }
 
