@@ -252,7 +252,7 @@ fn plain_files_become_a_package() {
     )
     .unwrap();
     let package = folder.path().join("package");
-    let made = campaign::init(&package, &[csv.clone()]).unwrap();
+    let made = campaign::init(&package, std::slice::from_ref(&csv)).unwrap();
     assert!(made.fill_in.is_empty(), "{:?}", made.fill_in);
     let campaign = campaign::open(&package).unwrap();
     let run = &campaign.runs[0];

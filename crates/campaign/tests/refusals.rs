@@ -254,10 +254,7 @@ fn loads() {
         &format!("{place}: the protocol is `unloaded`, but the normal load is 1 N"),
     );
     assert!(unloaded(Some(json!(0))).open().is_ok());
-    assert_eq!(
-        load(None).open().unwrap().runs[0].normal_load_n.is_none(),
-        true
-    );
+    assert!(load(None).open().unwrap().runs[0].normal_load_n.is_none());
     let field = json!({"name": "normal_force_n", "unit": "N"});
     let recorded = |cell: &str| {
         let mut package = Package::new();

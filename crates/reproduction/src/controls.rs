@@ -84,7 +84,7 @@ pub fn run(
                 .get(*id)
                 .is_some_and(|verdict| *verdict != report::Verdict::NotRun)
         };
-        if !expected.iter().all(|id| was_run(&id)) {
+        if !expected.iter().all(was_run) {
             continue;
         }
         let (damaged, found) = inflict(damage, published, values)?;

@@ -55,10 +55,10 @@ fn allowed(id: &str) -> f64 {
 
 impl Comparator for Quantities {
     fn matches(&self, reference: &insta::Snapshot, test: &insta::Snapshot) -> bool {
-        equal(
-            &reference.contents().to_string(),
-            &test.contents().to_string(),
-        )
+        match (reference.as_text(), test.as_text()) {
+            (Some(old), Some(new)) => equal(&old.to_string(), &new.to_string()),
+            _ => false,
+        }
     }
 
     fn dyn_clone(&self) -> Box<dyn Comparator> {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 /// The repository.
-pub fn root() -> PathBuf {
+pub(crate) fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../..")
         .canonicalize()
@@ -14,7 +14,7 @@ pub fn root() -> PathBuf {
 }
 
 /// Runs the program in the repository.
-pub fn run(arguments: &[&str]) -> Answer {
+pub(crate) fn run(arguments: &[&str]) -> Answer {
     let output = Command::new(env!("CARGO_BIN_EXE_bristle"))
         .args(arguments)
         .current_dir(root())
@@ -25,10 +25,10 @@ pub fn run(arguments: &[&str]) -> Answer {
 
 /// What the program said and how it ended.
 #[derive(Debug)]
-pub struct Answer {
-    pub code: i32,
-    pub stdout: String,
-    pub stderr: String,
+pub(crate) struct Answer {
+    pub(crate) code: i32,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
 }
 
 impl From<Output> for Answer {
@@ -43,7 +43,7 @@ impl From<Output> for Answer {
 }
 
 /// A package of two ramps each way, written as CSV by hand.
-pub fn package(folder: &Path) {
+pub(crate) fn package(folder: &Path) {
     std::fs::create_dir_all(folder.join("runs")).unwrap();
     let mut resources = Vec::new();
     for (place, (direction, sign)) in [("forward", 1.0), ("reverse", -1.0)]

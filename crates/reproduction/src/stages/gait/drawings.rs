@@ -1,17 +1,22 @@
 //! The biped drawn to scale (Fig. 10), and its stride as a moving picture.
 
-use biped::gait::motion::{Motion, Sample};
 use biped::gait::STANDING;
+use biped::gait::motion::{Motion, Sample};
 use biped::kinematics::{COORDINATES, Leg, leg_points};
 use biped::parameters::Biped;
-use report::figure::{Animation, Drawing, Figure, Frame, Ink, Provenance, Shape};
 use report::Evidence;
+use report::figure::{Animation, Drawing, Figure, Frame, Ink, Provenance, Shape};
 
 /// Metres of arrow for one newton of ground force.
 const METRES_PER_NEWTON: f64 = 1.0 / 1500.0;
 
 fn line(points: Vec<[f64; 2]>, ink: Ink, width: f64) -> Shape {
-    Shape::Line { points, ink, width, dashed: false }
+    Shape::Line {
+        points,
+        ink,
+        width,
+        dashed: false,
+    }
 }
 
 fn leg_ink(leg: Leg) -> Ink {
@@ -26,7 +31,11 @@ fn body(biped: &Biped, q: &[f64; COORDINATES], shapes: &mut Vec<Shape>) {
     let legs = Leg::BOTH.map(|leg| leg_points(biped, q, leg));
     shapes.push(line(vec![legs[0].hip, legs[1].hip], Ink::Muted, 6.0));
     for (leg, points) in Leg::BOTH.into_iter().zip(legs) {
-        shapes.push(line(vec![points.hip, points.knee, points.foot], leg_ink(leg), 3.0));
+        shapes.push(line(
+            vec![points.hip, points.knee, points.foot],
+            leg_ink(leg),
+            3.0,
+        ));
     }
 }
 
@@ -40,17 +49,52 @@ pub(super) fn machine(biped: &Biped) -> Figure {
     body(biped, &q, &mut shapes);
     let front = leg_points(biped, &q, Leg::Front);
     let rear = leg_points(biped, &q, Leg::Rear);
-    let between = |a: [f64; 2], b: [f64; 2], part: f64| [a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1])];
+    let between = |a: [f64; 2], b: [f64; 2], part: f64| {
+        [a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1])]
+    };
     let masses = [
         ([q[0], q[1]], biped.torso_mass_kg),
-        (between(front.hip, front.knee, biped.thigh.centre_m / biped.thigh.length_m), biped.thigh.mass_kg),
-        (between(front.knee, front.foot, biped.shank.centre_m / biped.shank.length_m), biped.shank.mass_kg),
-        (between(rear.hip, rear.knee, biped.thigh.centre_m / biped.thigh.length_m), biped.thigh.mass_kg),
-        (between(rear.knee, rear.foot, biped.shank.centre_m / biped.shank.length_m), biped.shank.mass_kg),
+        (
+            between(
+                front.hip,
+                front.knee,
+                biped.thigh.centre_m / biped.thigh.length_m,
+            ),
+            biped.thigh.mass_kg,
+        ),
+        (
+            between(
+                front.knee,
+                front.foot,
+                biped.shank.centre_m / biped.shank.length_m,
+            ),
+            biped.shank.mass_kg,
+        ),
+        (
+            between(
+                rear.hip,
+                rear.knee,
+                biped.thigh.centre_m / biped.thigh.length_m,
+            ),
+            biped.thigh.mass_kg,
+        ),
+        (
+            between(
+                rear.knee,
+                rear.foot,
+                biped.shank.centre_m / biped.shank.length_m,
+            ),
+            biped.shank.mass_kg,
+        ),
     ];
     for (centre, mass) in masses {
         // Area in proportion to mass.
-        shapes.push(Shape::Circle { centre, radius: 0.02 * mass.sqrt(), ink: Ink::Slot(3), filled: true });
+        shapes.push(Shape::Circle {
+            centre,
+            radius: 0.02 * mass.sqrt(),
+            ink: Ink::Slot(3),
+            filled: true,
+        });
     }
     let above = |p: [f64; 2]| [p[0], p[1] + 0.08];
     shapes.push(Shape::Dimension {
@@ -87,7 +131,13 @@ pub(super) fn machine(biped: &Biped) -> Figure {
 }
 
 /// One stride as an animation: legs, ground force, friction cone under the standing foot.
-pub(super) fn animation(id: &str, title: &str, motion: &Motion, biped: &Biped, cone: [f64; 2]) -> Figure {
+pub(super) fn animation(
+    id: &str,
+    title: &str,
+    motion: &Motion,
+    biped: &Biped,
+    cone: [f64; 2],
+) -> Figure {
     let period = motion.period_s();
     let wanted = 24;
     let frames: Vec<Frame> = (0..wanted)
@@ -138,10 +188,21 @@ fn frame(sample: &Sample, biped: &Biped, speed: f64, cone: [f64; 2]) -> Frame {
         let foot = leg_points(biped, &q, leg).foot;
         let reach = 0.2;
         for slope in [cone[0], -cone[1]] {
-            shapes.push(line(vec![foot, [foot[0] + slope * reach, foot[1] + reach]], Ink::Muted, 1.0));
+            shapes.push(line(
+                vec![foot, [foot[0] + slope * reach, foot[1] + reach]],
+                Ink::Muted,
+                1.0,
+            ));
         }
         let force = sample.force_n.map(|f| f * METRES_PER_NEWTON);
-        shapes.push(Shape::Arrow { from: foot, to: [foot[0] + force[0], foot[1] + force[1]], ink: Ink::FORWARD });
+        shapes.push(Shape::Arrow {
+            from: foot,
+            to: [foot[0] + force[0], foot[1] + force[1]],
+            ink: Ink::FORWARD,
+        });
     }
-    Frame { time_s: sample.time_s, shapes }
+    Frame {
+        time_s: sample.time_s,
+        shapes,
+    }
 }

@@ -15,7 +15,9 @@ fn law(published: &Published, lean_rad: f64) -> Result<Law<f64>, StageError> {
     let n = published.law("table1")?;
     let height_m = 1e-3 * published.value("brush.contact_height")?;
     // The file's order of the identifiable form is the law's own.
-    let paper = [n.sigma, n.sigma0, n.sigma1, n.sigma2, n.theta_c, n.theta_s, n.omega_sc, lean_rad];
+    let paper = [
+        n.sigma, n.sigma0, n.sigma1, n.sigma2, n.theta_c, n.theta_s, n.omega_sc, lean_rad,
+    ];
     let parameters = friction::paper_form::identifiable(&paper);
     LawKind::AsymmetricBristle
         .build(&parameters, Some(height_m))
@@ -25,7 +27,10 @@ fn law(published: &Published, lean_rad: f64) -> Result<Law<f64>, StageError> {
 /// The lean at which the law meets both steady coefficients best at the end of the data: bracketed,
 /// then golden section on the sum of squares.
 fn lean_rad(published: &Published) -> Result<f64, StageError> {
-    let (forward, reverse) = (published.value("steady.forward")?, published.value("steady.reverse")?);
+    let (forward, reverse) = (
+        published.value("steady.forward")?,
+        published.value("steady.reverse")?,
+    );
     let miss = |lean: f64| -> Result<f64, StageError> {
         let law = law(published, lean)?;
         let f = law.steady_coefficient(DATA_END_M_S) - forward;
@@ -36,7 +41,11 @@ fn lean_rad(published: &Published) -> Result<f64, StageError> {
     let (mut low, mut high) = (-0.6, 0.0);
     for _ in 0..80 {
         let (a, b) = (high - ratio * (high - low), low + ratio * (high - low));
-        if miss(a)? < miss(b)? { high = b } else { low = a }
+        if miss(a)? < miss(b)? {
+            high = b
+        } else {
+            low = a
+        }
     }
     Ok(0.5 * (low + high))
 }
@@ -49,9 +58,14 @@ pub(super) fn figure(
 ) -> Result<(Figure, Vec<Value>), StageError> {
     let lean = lean_rad(published)?;
     let law = law(published, lean)?;
-    let speeds: Vec<f64> = (0..=120).map(|k| 10f64.powf(-4.0 + 0.05 * f64::from(k))).collect();
+    let speeds: Vec<f64> = (0..=120)
+        .map(|k| 10f64.powf(-4.0 + 0.05 * f64::from(k)))
+        .collect();
     let curve = |sign: f64| -> Vec<[f64; 2]> {
-        speeds.iter().map(|&v| [v, sign * law.steady_coefficient(sign * v)]).collect()
+        speeds
+            .iter()
+            .map(|&v| [v, sign * law.steady_coefficient(sign * v)])
+            .collect()
     };
     let held = |mu: f64| vec![[speeds[0], mu], [speeds[speeds.len() - 1], mu]];
     let plot = LinePlot {
@@ -60,8 +74,16 @@ pub(super) fn figure(
         series: vec![
             Series::line("law of Table 1, forward", Ink::FORWARD, curve(1.0)),
             Series::line("law of Table 1, reverse", Ink::REVERSE, curve(-1.0)),
-            Series::line("used by the gait, forward", Ink::Slot(5), held(coefficients[0])),
-            Series::line("used by the gait, reverse", Ink::Slot(6), held(coefficients[1])),
+            Series::line(
+                "used by the gait, forward",
+                Ink::Slot(5),
+                held(coefficients[0]),
+            ),
+            Series::line(
+                "used by the gait, reverse",
+                Ink::Slot(6),
+                held(coefficients[1]),
+            ),
         ],
         rules: vec![
             Rule::Vertical(DATA_END_M_S, "data end".into()),
@@ -69,13 +91,27 @@ pub(super) fn figure(
         ],
         ..LinePlot::default()
     };
-    let value = |id: &str, number: f64, unit: &str| Value::new(id, number, unit, "gait", Evidence::Computed);
+    let value = |id: &str, number: f64, unit: &str| {
+        Value::new(id, number, unit, "gait", Evidence::Computed)
+    };
     let values = vec![
         value("gait.extrapolation.lean", lean, "rad"),
-        value("gait.extrapolation.forward_at_1", law.steady_coefficient(1.0), "1"),
-        value("gait.extrapolation.forward_at_5", law.steady_coefficient(5.0), "1"),
+        value(
+            "gait.extrapolation.forward_at_1",
+            law.steady_coefficient(1.0),
+            "1",
+        ),
+        value(
+            "gait.extrapolation.forward_at_5",
+            law.steady_coefficient(5.0),
+            "1",
+        ),
         value("gait.extrapolation.largest_slip", gait_m_s, "m/s"),
-        value("gait.extrapolation.decades", (gait_m_s / DATA_END_M_S).log10(), "1"),
+        value(
+            "gait.extrapolation.decades",
+            (gait_m_s / DATA_END_M_S).log10(),
+            "1",
+        ),
     ];
     let figure = Figure::new(
         "gait-extrapolation",

@@ -3,8 +3,8 @@
 use biped::gait::motion::Motion;
 use biped::gait::{PHASES, STANDING};
 use biped::kinematics::Leg;
-use report::figure::{Axis, Figure, HeatMap, Ink, LinePlot, Mark, Provenance, Rule, Series};
 use report::Evidence;
+use report::figure::{Axis, Figure, HeatMap, Ink, LinePlot, Mark, Provenance, Rule, Series};
 
 use super::strides::{Mount, WEIGHTS};
 use crate::published::Published;
@@ -76,8 +76,15 @@ pub(super) fn directions(rows: &[(Mount, &Motion)], limits: [f64; 3]) -> Figure 
                 );
             }
             let name = if leg == Leg::Front { "front" } else { "rear" };
-            let mark = if leg == Leg::Front { Mark::Line } else { Mark::LinePoints };
-            series.push(Series::line(&format!("{}, {name} leg", mount.id()), ink(*mount), points).marked(mark));
+            let mark = if leg == Leg::Front {
+                Mark::Line
+            } else {
+                Mark::LinePoints
+            };
+            series.push(
+                Series::line(&format!("{}, {name} leg", mount.id()), ink(*mount), points)
+                    .marked(mark),
+            );
         }
     }
     let plot = LinePlot {
@@ -107,7 +114,11 @@ pub(super) fn directions(rows: &[(Mount, &Motion)], limits: [f64; 3]) -> Figure 
 /// Path of both feet and the torso over one stride.
 pub(super) fn paths(motion: &Motion, biped: &biped::parameters::Biped) -> Figure {
     let foot = |leg: Leg| -> Vec<[f64; 2]> {
-        motion.samples.iter().map(|s| biped::kinematics::leg_points(biped, &s.q, leg).foot).collect()
+        motion
+            .samples
+            .iter()
+            .map(|s| biped::kinematics::leg_points(biped, &s.q, leg).foot)
+            .collect()
     };
     let torso = motion.samples.iter().map(|s| [s.q[0], s.q[1]]).collect();
     let plot = LinePlot {

@@ -54,16 +54,34 @@ impl Stage for Gait {
 
         let mut output = StageOutput::done();
         let mut blocks = vec![Block::from(drawings::machine(&biped))];
-        let compliant = best_speeds(&solved, Kind::Compliant, &targets, "gait", context, &mut output)?;
+        let compliant = best_speeds(
+            &solved,
+            Kind::Compliant,
+            &targets,
+            "gait",
+            context,
+            &mut output,
+        )?;
         blocks.push(compliant.into());
         if !quick {
-            let rigid = best_speeds(&solved, Kind::Rigid, &targets, "gait.rigid", context, &mut output)?;
+            let rigid = best_speeds(
+                &solved,
+                Kind::Rigid,
+                &targets,
+                "gait.rigid",
+                context,
+                &mut output,
+            )?;
             blocks.push(rigid.into());
         }
         let at_low = |mount: Mount| {
-            solved.iter().find(|s| s.is(Kind::Compliant, CONTACT, mount, MAP_WEIGHT, targets.low))
+            solved
+                .iter()
+                .find(|s| s.is(Kind::Compliant, CONTACT, mount, MAP_WEIGHT, targets.low))
         };
-        if let (Some(symmetric), Some(asymmetric)) = (at_low(Mount::Symmetric), at_low(Mount::Asymmetric)) {
+        if let (Some(symmetric), Some(asymmetric)) =
+            (at_low(Mount::Symmetric), at_low(Mount::Asymmetric))
+        {
             let motions = [
                 (Mount::Symmetric, &symmetric.outcome.motion),
                 (Mount::Asymmetric, &asymmetric.outcome.motion),
@@ -74,20 +92,40 @@ impl Stage for Gait {
             let motion = &asymmetric.outcome.motion;
             blocks.push(figures::paths(motion, &biped).into());
             let cone = [brush.forward, brush.reverse];
-            blocks.push(drawings::animation("gait-animation", "One stride, asymmetric brush", motion, &biped, cone).into());
+            blocks.push(
+                drawings::animation(
+                    "gait-animation",
+                    "One stride, asymmetric brush",
+                    motion,
+                    &biped,
+                    cone,
+                )
+                .into(),
+            );
         }
-        blocks.push(map(&solved, &targets, published.value("gait.gain")?, &mut output).into());
+        blocks.push(
+            map(
+                &solved,
+                &targets,
+                published.value("gait.gain")?,
+                &mut output,
+            )
+            .into(),
+        );
         impulses(&solved, &targets, &mut output);
         if !quick {
             accelerating(&solved, &targets, &mut output)?;
         }
         let slip = largest_slip(&solved);
-        let (figure, values) = extrapolation::figure(published, [brush.forward, brush.reverse], slip)?;
+        let (figure, values) =
+            extrapolation::figure(published, [brush.forward, brush.reverse], slip)?;
         blocks.push(figure.into());
         output.values.extend(values);
         quality(&solved, &mut output);
         output.tables.push(table(&solved));
-        output.sections.push(words::section(blocks, &output.values, quick));
+        output
+            .sections
+            .push(words::section(blocks, &output.values, quick));
         Ok(output)
     }
 }
@@ -108,15 +146,31 @@ fn best_speeds(
     let mut rows = Vec::new();
     let mut means = Vec::new();
     for mount in Mount::ALL {
-        let of = |weight: f64| solved.iter().find(|s| s.is(kind, CONTACT, mount, weight, targets.high));
-        let speeds: Vec<Option<f64>> =
-            WEIGHTS.iter().map(|&weight| of(weight).map(|s| s.outcome.motion.speed_m_s)).collect();
+        let of = |weight: f64| {
+            solved
+                .iter()
+                .find(|s| s.is(kind, CONTACT, mount, weight, targets.high))
+        };
+        let speeds: Vec<Option<f64>> = WEIGHTS
+            .iter()
+            .map(|&weight| of(weight).map(|s| s.outcome.motion.speed_m_s))
+            .collect();
         for (weight, speed) in WEIGHTS.iter().zip(&speeds) {
             let id = format!("{prefix}.speed.{}.qv-{weight}", mount.id());
-            output.values.push(value(id, speed.unwrap_or(f64::NAN), "m/s"));
+            output
+                .values
+                .push(value(id, speed.unwrap_or(f64::NAN), "m/s"));
         }
-        let certified = WEIGHTS.iter().filter_map(|&w| of(w)).filter(|s| s.outcome.is_certified()).count();
-        output.values.push(value(format!("{prefix}.certified.{}", mount.id()), certified as f64, "1"));
+        let certified = WEIGHTS
+            .iter()
+            .filter_map(|&w| of(w))
+            .filter(|s| s.outcome.is_certified())
+            .count();
+        output.values.push(value(
+            format!("{prefix}.certified.{}", mount.id()),
+            certified as f64,
+            "1",
+        ));
         let mean = speeds.iter().map(|s| s.unwrap_or(f64::NAN)).sum::<f64>() / WEIGHTS.len() as f64;
         let id = format!("{prefix}.best_speed.{}", mount.id());
         let mut mean_value = value(id.clone(), mean, "m/s");
@@ -145,13 +199,22 @@ fn direction_values(motions: &[(Mount, &Motion)], output: &mut StageOutput) {
     for (mount, motion) in motions {
         let [low, high] = motion.directions();
         for (end, number) in [("smallest", low), ("largest", high)] {
-            output.values.push(value(format!("gait.force_direction.{}.{end}", mount.id()), number, "1"));
+            output.values.push(value(
+                format!("gait.force_direction.{}.{end}", mount.id()),
+                number,
+                "1",
+            ));
         }
     }
 }
 
 /// Gain over contact stiffness and loss at one weight.
-fn map(solved: &[Solved], targets: &Targets, printed_gain: f64, output: &mut StageOutput) -> Figure {
+fn map(
+    solved: &[Solved],
+    targets: &Targets,
+    printed_gain: f64,
+    output: &mut StageOutput,
+) -> Figure {
     let in_map = |s: &&Solved| s.start.kind == Kind::Compliant && s.start.weight == MAP_WEIGHT;
     let axis = |pick: fn(&Solved) -> f64| {
         let mut list: Vec<f64> = solved.iter().filter(in_map).map(pick).collect();
@@ -176,7 +239,9 @@ fn map(solved: &[Solved], targets: &Targets, printed_gain: f64, output: &mut Sta
                 _ => None,
             };
             if let Some(gain) = gain {
-                output.values.push(value(format!("gait.map.k-{k}.c-{c}"), gain, "percent"));
+                output
+                    .values
+                    .push(value(format!("gait.map.k-{k}.c-{c}"), gain, "percent"));
             }
             row.push(gain);
         }
@@ -188,20 +253,34 @@ fn map(solved: &[Solved], targets: &Targets, printed_gain: f64, output: &mut Sta
 /// Forward and braking impulses of the fastest strides: over a period they cancel.
 fn impulses(solved: &[Solved], targets: &Targets, output: &mut StageOutput) {
     for mount in Mount::ALL {
-        let found = solved.iter().find(|s| s.is(Kind::Compliant, CONTACT, mount, MAP_WEIGHT, targets.high));
+        let found = solved
+            .iter()
+            .find(|s| s.is(Kind::Compliant, CONTACT, mount, MAP_WEIGHT, targets.high));
         let Some(solved) = found else { continue };
         let motion = &solved.outcome.motion;
         let [forward, braking] = motion.forward_and_braking_n_s();
         let net = motion.ground_impulse_n_s()[0];
         for (name, number) in [("forward", forward), ("braking", braking), ("net", net)] {
-            output.values.push(value(format!("gait.impulse.{}.{name}", mount.id()), number, "N s"));
+            output.values.push(value(
+                format!("gait.impulse.{}.{name}", mount.id()),
+                number,
+                "N s",
+            ));
         }
     }
 }
 
 /// Mean acceleration of strides that may end faster than they began.
-fn accelerating(solved: &[Solved], targets: &Targets, output: &mut StageOutput) -> Result<(), StageError> {
-    let of = |mount: Mount| solved.iter().find(|s| s.is(Kind::Compliant, CONTACT, mount, MAP_WEIGHT, targets.low));
+fn accelerating(
+    solved: &[Solved],
+    targets: &Targets,
+    output: &mut StageOutput,
+) -> Result<(), StageError> {
+    let of = |mount: Mount| {
+        solved
+            .iter()
+            .find(|s| s.is(Kind::Compliant, CONTACT, mount, MAP_WEIGHT, targets.low))
+    };
     let periodic: Vec<&Solved> = Mount::ALL.into_iter().filter_map(of).collect();
     let strides = strides::accelerate(&periodic, targets.low)?;
     let mut certified = Vec::new();
@@ -209,14 +288,25 @@ fn accelerating(solved: &[Solved], targets: &Targets, output: &mut StageOutput) 
         let name = stride.start.brush.id();
         let acceleration = stride.outcome.motion.acceleration_m_s2;
         if stride.outcome.is_certified() {
-            output.values.push(value(format!("gait.acceleration.{name}"), acceleration, "m/s^2"));
+            output.values.push(value(
+                format!("gait.acceleration.{name}"),
+                acceleration,
+                "m/s^2",
+            ));
             certified.push((stride.start.brush, acceleration));
         }
-        output.work.insert(format!("accelerating stride, {name}: steps"), stride.outcome.iterations as u64);
+        output.work.insert(
+            format!("accelerating stride, {name}: steps"),
+            stride.outcome.iterations as u64,
+        );
     }
     let of = |mount: Mount| certified.iter().find(|(m, _)| *m == mount).map(|(_, a)| *a);
     if let (Some(symmetric), Some(asymmetric)) = (of(Mount::Symmetric), of(Mount::Asymmetric)) {
-        output.values.push(value("gait.acceleration.gain".into(), 100.0 * (asymmetric / symmetric - 1.0), "percent"));
+        output.values.push(value(
+            "gait.acceleration.gain".into(),
+            100.0 * (asymmetric / symmetric - 1.0),
+            "percent",
+        ));
     }
     Ok(())
 }
@@ -225,7 +315,13 @@ fn accelerating(solved: &[Solved], targets: &Targets, output: &mut StageOutput) 
 fn largest_slip(solved: &[Solved]) -> f64 {
     solved
         .iter()
-        .flat_map(|s| s.outcome.motion.samples.iter().map(move |sample| (s, sample)))
+        .flat_map(|s| {
+            s.outcome
+                .motion
+                .samples
+                .iter()
+                .map(move |sample| (s, sample))
+        })
         .filter(|(_, sample)| sample.force_n[1] > 1.0)
         .filter_map(|(s, sample)| {
             let leg = STANDING[sample.phase]?;
@@ -248,17 +344,26 @@ fn quality(solved: &[Solved], output: &mut StageOutput) {
     }
     let steps: usize = solved.iter().map(|s| s.outcome.iterations).sum();
     let subproblems: usize = solved.iter().map(|s| s.outcome.subproblems).sum();
-    output.work.insert("steps of the solver".into(), steps as u64);
-    output.work.insert("quadratic subproblems".into(), subproblems as u64);
+    output
+        .work
+        .insert("steps of the solver".into(), steps as u64);
+    output
+        .work
+        .insert("quadratic subproblems".into(), subproblems as u64);
     if certified < solved.len() {
-        let detail = format!("{} of {} strides lack a certificate", solved.len() - certified, solved.len());
+        let detail = format!(
+            "{} of {} strides lack a certificate",
+            solved.len() - certified,
+            solved.len()
+        );
         output.status = StageStatus::NotConverged(detail);
     }
 }
 
 /// Every stride with its status.
 fn table(solved: &[Solved]) -> TableFile {
-    let mut csv = String::from("contact,k,c,brush,weight,target_m_s,status,cost,speed_m_s,period_s,effort\n");
+    let mut csv =
+        String::from("contact,k,c,brush,weight,target_m_s,status,cost,speed_m_s,period_s,effort\n");
     for s in solved {
         let (start, outcome) = (&s.start, &s.outcome);
         csv.push_str(&format!(
@@ -276,5 +381,8 @@ fn table(solved: &[Solved]) -> TableFile {
             outcome.motion.effort(&outcome.problem),
         ));
     }
-    TableFile { name: "gait-strides".into(), csv }
+    TableFile {
+        name: "gait-strides".into(),
+        csv,
+    }
 }

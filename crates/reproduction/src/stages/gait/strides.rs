@@ -95,7 +95,14 @@ pub(super) struct Solved {
 
 impl Solved {
     /// Whether it belongs to this contact, brush, weight and target.
-    pub(super) fn is(&self, kind: Kind, contact: (f64, f64), brush: Mount, weight: f64, aim: f64) -> bool {
+    pub(super) fn is(
+        &self,
+        kind: Kind,
+        contact: (f64, f64),
+        brush: Mount,
+        weight: f64,
+        aim: f64,
+    ) -> bool {
         let s = &self.start;
         let same_contact = kind == Kind::Rigid || (s.k, s.c) == contact;
         s.kind == kind && same_contact && s.brush == brush && s.weight == weight && s.aim == aim
@@ -119,7 +126,10 @@ fn problem(biped: &Biped, brush: Brush, start: &Start) -> Problem {
         biped: *biped,
         brush: start.brush.brush(brush),
         contact,
-        goal: Goal::Speed { weight: start.weight, aim_m_s: start.aim },
+        goal: Goal::Speed {
+            weight: start.weight,
+            aim_m_s: start.aim,
+        },
         limits: Limits::default(),
         mesh: Mesh::default(),
         rate_weight_s2: RATE_WEIGHT_S2,
@@ -127,7 +137,10 @@ fn problem(biped: &Biped, brush: Brush, start: &Start) -> Problem {
 }
 
 fn options() -> Options {
-    Options { max_iterations: MAX_ITERATIONS, ..Options::default() }
+    Options {
+        max_iterations: MAX_ITERATIONS,
+        ..Options::default()
+    }
 }
 
 /// Solves every problem of the file that `wanted` takes, each from its start.
@@ -136,15 +149,27 @@ pub(super) fn solve(
     brush: Brush,
     wanted: impl Fn(&Start) -> bool,
 ) -> Result<Vec<Solved>, StageError> {
-    let file: File =
-        serde_json::from_str(STARTS).map_err(|error| StageError::Failed(format!("data/strides.json: {error}")))?;
-    let starts: Vec<Start> = file.starts.into_iter().filter(|start| wanted(start)).collect();
+    let file: File = serde_json::from_str(STARTS)
+        .map_err(|error| StageError::Failed(format!("data/strides.json: {error}")))?;
+    let starts: Vec<Start> = file
+        .starts
+        .into_iter()
+        .filter(|start| wanted(start))
+        .collect();
     let cases: Vec<Case> = starts
         .iter()
-        .map(|start| Case { problem: problem(biped, brush, start), starts: vec![start.x.clone()] })
+        .map(|start| Case {
+            problem: problem(biped, brush, start),
+            starts: vec![start.x.clone()],
+        })
         .collect();
-    let outcomes = solve_all(&cases, &options()).map_err(|error| StageError::Failed(error.to_string()))?;
-    Ok(starts.into_iter().zip(outcomes).map(|(start, outcome)| Solved { start, outcome }).collect())
+    let outcomes =
+        solve_all(&cases, &options()).map_err(|error| StageError::Failed(error.to_string()))?;
+    Ok(starts
+        .into_iter()
+        .zip(outcomes)
+        .map(|(start, outcome)| Solved { start, outcome })
+        .collect())
 }
 
 /// Accelerating strides: periodic but for the forward speed, from the periodic stride of the same brush.
@@ -152,18 +177,34 @@ pub(super) fn accelerate(periodic: &[&Solved], start_m_s: f64) -> Result<Vec<Sol
     let cases: Vec<Case> = periodic
         .iter()
         .map(|solved| {
-            let goal = Goal::Acceleration { weight: 1.0, start_m_s };
-            let problem = Problem { goal, ..solved.outcome.problem };
+            let goal = Goal::Acceleration {
+                weight: 1.0,
+                start_m_s,
+            };
+            let problem = Problem {
+                goal,
+                ..solved.outcome.problem
+            };
             let mut x = solved.outcome.x.clone();
             x.resize(Layout::new(&problem).count(), 0.0);
-            Case { problem, starts: vec![x] }
+            Case {
+                problem,
+                starts: vec![x],
+            }
         })
         .collect();
-    let options = Options { max_iterations: 2 * MAX_ITERATIONS, ..options() };
-    let outcomes = solve_all(&cases, &options).map_err(|error| StageError::Failed(error.to_string()))?;
+    let options = Options {
+        max_iterations: 2 * MAX_ITERATIONS,
+        ..options()
+    };
+    let outcomes =
+        solve_all(&cases, &options).map_err(|error| StageError::Failed(error.to_string()))?;
     Ok(periodic
         .iter()
         .zip(outcomes)
-        .map(|(solved, outcome)| Solved { start: solved.start.clone(), outcome })
+        .map(|(solved, outcome)| Solved {
+            start: solved.start.clone(),
+            outcome,
+        })
         .collect())
 }

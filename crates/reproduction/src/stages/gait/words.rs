@@ -3,13 +3,18 @@
 use report::{Block, NoticeKind, Section, Value};
 
 fn has(values: &[Value], id: &str) -> bool {
-    values.iter().any(|value| value.id == id && value.value.is_some())
+    values
+        .iter()
+        .any(|value| value.id == id && value.value.is_some())
 }
 
 /// The chapter around the figures.
 pub(super) fn section(figures: Vec<Block>, values: &[Value], quick: bool) -> Section {
     let mut blocks = figures;
-    blocks.push(Block::heading("gait-why", "Why a larger forward limit moves the top speed so little"));
+    blocks.push(Block::heading(
+        "gait-why",
+        "Why a larger forward limit moves the top speed so little",
+    ));
     if has(values, "gait.impulse.asymmetric.forward") {
         blocks.push(Block::prose(
             "Over a periodic stride the forward impulses of the ground cancel. With the asymmetric brush the feet push \

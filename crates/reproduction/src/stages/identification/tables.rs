@@ -84,7 +84,6 @@ pub(super) fn parameters(one: &Identified) -> Table {
         paper: Some("Table 1".into()),
         provenance: Some(provenance("identify", one)),
         claims: ["C01", "C18"].map(String::from).to_vec(),
-        ..Table::default()
     }
 }
 
