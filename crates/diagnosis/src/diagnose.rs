@@ -337,7 +337,11 @@ fn assemble(
     // What a named cause's shape may be wrong by is no structure of its own.
     let explained = (selected.baseline.deviance - selected.stand.deviance).max(0.0);
     let beyond_shape = selected.stand.fitted.effects.is_empty()
-        || selected.left.excess > SHAPE_TOLERANCE.powi(2) * explained;
+        || selected
+            .left
+            .excess
+            .max(equivalent_z(selected.left.log_p).powi(2))
+            > SHAPE_TOLERANCE.powi(2) * explained;
     let detected = gate && beyond_shape && selected.left.log_p < ALPHA_GENERAL.ln();
     let status = if detected {
         Status::Unexplained

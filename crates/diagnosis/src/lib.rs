@@ -27,6 +27,7 @@ mod scan;
 mod selection;
 mod tail;
 mod ties;
+mod uniform;
 
 pub use answer::{Design, Diagnosis, Finding, Status};
 pub use design::design;

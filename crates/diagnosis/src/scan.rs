@@ -200,6 +200,7 @@ fn scan_with(
     let fitted = &stand.fitted;
     let mut tasks: Vec<(usize, Vec<f64>, bool)> = Vec::new();
     let mut paths: Vec<f64> = vec![0.0; bench.catalogue.len()];
+    let dear = fitted.effects.iter().any(|&e| is_dear(bench, e));
     for cause in 0..bench.catalogue.len() {
         let effect = &bench.catalogue[cause];
         if fitted.effects.contains(&cause) || effect.is_data_integrity() || skipped.contains(&cause)
@@ -222,12 +223,14 @@ fn scan_with(
             }
             continue;
         }
-        for at in effect
-            .shape_grid(&bench.experiment)
-            .into_iter()
-            .take(MOST_SHAPES)
-        {
+        // Beside a mass on a cord every signature is dear: three shapes, no chords.
+        let shapes = effect.shape_grid(&bench.experiment);
+        let stride = if dear { shapes.len().div_ceil(3) } else { 1 };
+        for at in shapes.into_iter().take(MOST_SHAPES).step_by(stride) {
             tasks.push((cause, at, false));
+        }
+        if dear {
+            continue;
         }
         // Mechanics that are dear to compute (a mass on a cord) are looked at in one size beside the tangent.
         let starts = effect.starts(&bench.experiment);

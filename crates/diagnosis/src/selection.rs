@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use crate::bench::{Bench, Fitted, Stand, Subset};
 use crate::general::{self, Lack};
 use crate::scan::{Candidate, Scan, extended, scan, scan_without};
+use crate::uniform::is_uniform;
 
 /// Family-wise probability of naming a cause where there is none: half of the campaign's one percent.
 pub(crate) const ALPHA_NAME: f64 = 0.004;
@@ -109,13 +110,15 @@ fn baseline(bench: &Bench<'_>, subset: &Subset, warm: Option<&Warm>) -> Option<(
 fn refit(bench: &Bench<'_>, subset: &Subset, fitted: &Fitted, sizes: &Sizes) -> Option<Fitted> {
     let context = subset.context(bench, &fitted.prediction);
     let whitener = fitting::noise::Whitener::new(&context, sizes);
+    let dear = fitted.effects.iter().any(|&e| is_dear(bench, e));
+    let limit = if dear { 6 } else { 20 };
     bench.fit(
         subset,
         &fitted.effects,
         &fitted.parameters,
         &whitener,
         None,
-        20,
+        limit,
     )
 }
 
@@ -295,6 +298,7 @@ pub(crate) fn select(
         entry_log_p: entry,
         singles,
     };
+    refuse_uneven(bench, subset, &mut selected);
     keep_dominant(bench, subset, &mut selected);
     Some(selected)
 }
@@ -411,6 +415,20 @@ pub(crate) fn lack(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Lack {
     };
     best.log_p = (best.log_p.min(other.log_p) + 2.0_f64.ln()).min(0.0);
     best
+}
+
+/// Where a named cause does not act everywhere that its signature says, nothing is named: the structure has another cause.
+fn refuse_uneven(bench: &Bench<'_>, subset: &Subset, selected: &mut Selected) {
+    let count = selected.stand.fitted.effects.len();
+    if (0..count).all(|k| is_uniform(bench, subset, &selected.stand, k)) {
+        return;
+    }
+    let seen = selected.entry_log_p.iter().copied().fold(0.0, f64::min);
+    let fitted = selected.baseline.fitted.clone();
+    selected.stand = Stand::new(bench, subset, fitted, selected.stand.sizes);
+    selected.entry_log_p.clear();
+    selected.left = lack(bench, subset, &selected.stand);
+    selected.left.log_p = selected.left.log_p.min(seen);
 }
 
 /// Where something is left that nothing explains: only causes that explain most of it stay named.

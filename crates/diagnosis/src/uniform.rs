@@ -1,0 +1,85 @@
+//! A cause acts everywhere that its signature says: in every run, at every place, at all times.
+//!
+//! With d the fitted effect and y the residual without it (whitened, cleared of all else), the effect's own amplitude in a
+//! group g of samples is a_g = d_g'y_g / d_g'd_g, and one everywhere if the cause is the right one:
+//!
+//! ```text
+//! H = sum_g d_g'd_g (a_g - 1)^2  ~  chi-squared with (groups - 1) degrees of freedom                       (D5)
+//! ```
+//!
+//! A burst in one run that looks like an oscillation, or a step on the plate that looks like a long wave, fails. What a wrong
+//! shape of the right cause may do is allowed for: H must also exceed a share of the effect's whole size.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::bench::{Bench, Stand, Subset};
+use crate::ground::orthonormal;
+use crate::tail::log_chi2_tail;
+
+/// Bins of place and of time.
+const BINS: usize = 8;
+/// Share of d'd that a wrong shape of the right cause may leave uneven.
+const UNEVEN: f64 = 0.3;
+/// Tail probability below which unevenness counts.
+const ALPHA: f64 = 1e-3;
+
+/// Whether the k-th effect has one amplitude over runs, places and times.
+pub(crate) fn is_uniform(bench: &Bench<'_>, subset: &Subset, stand: &Stand, k: usize) -> bool {
+    let fitted = &stand.fitted;
+    let span = fitted.model.span(k);
+    let mut bare = fitted.parameters.clone();
+    for &i in bench.catalogue[fitted.effects[k]].sizes() {
+        bare[span.start + i] = 0.0;
+    }
+    let without = fitted.model.predict(&bench.experiment, &bare);
+    let effect = DMatrix::from_iterator(
+        without.len(),
+        1,
+        fitted.prediction.iter().zip(&without).map(|(a, b)| a - b),
+    );
+    let rest: Vec<usize> = (0..stand.columns.len())
+        .filter(|&c| !span.contains(&stand.columns[c]))
+        .collect();
+    let basis = orthonormal(&stand.white_jacobian.select_columns(&rest), 1e-9).0;
+    let white: DVector<f64> = stand.whiten(subset, &effect).column(0).into_owned();
+    let free = &white - &basis * basis.tr_mul(&white);
+    let both = DMatrix::from_columns(&[free.clone(), &stand.ground.y + &free]);
+    let both = stand
+        .ground
+        .descatter(&both, stand.ground.likeliest_scatter());
+    let samples = subset.samples(bench);
+    let bins = |x: &[f64]| -> Vec<usize> {
+        let mut sorted = x.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let edges: Vec<f64> = (1..BINS).map(|b| sorted[b * sorted.len() / BINS]).collect();
+        x.iter()
+            .map(|v| edges.partition_point(|e| e <= v))
+            .collect()
+    };
+    [
+        samples.owner.clone(),
+        bins(&samples.place),
+        bins(&samples.time),
+    ]
+    .iter()
+    .all(|groups| is_even(&both, groups))
+}
+
+/// The test (D5) over one grouping of the samples.
+fn is_even(both: &DMatrix<f64>, groups: &[usize]) -> bool {
+    let count = groups.iter().copied().max().map_or(0, |g| g + 1);
+    let mut sums = vec![(0.0, 0.0); count];
+    for (i, &g) in groups.iter().enumerate() {
+        let d = both[(i, 0)];
+        sums[g].0 += d * d;
+        sums[g].1 += d * both[(i, 1)];
+    }
+    let whole: f64 = sums.iter().map(|s| s.0).sum();
+    let present = sums.iter().filter(|s| s.0 > 1e-6 * whole);
+    let (mut uneven, mut freedom) = (0.0, 0_usize);
+    for (power, along) in present {
+        uneven += (along - power).powi(2) / power;
+        freedom += 1;
+    }
+    freedom < 2 || uneven < UNEVEN * whole || log_chi2_tail(uneven, freedom - 1) > ALPHA.ln()
+}
