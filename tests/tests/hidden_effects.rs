@@ -1,0 +1,268 @@
+//! Hidden effects: a fixed selection of what `bench hidden-effects` tries by the thousand.
+//!
+//! Sizes are multiples of the size that a test which knows the cause would find in 90 % of cases (see
+//! `whole_program::hidden::oracle`). The finder gets the written package and nothing else.
+
+use std::sync::Mutex;
+
+use diagnosis::Options;
+use planting::{Case, NoiseKind, Protocol};
+use serde_json::Value;
+use whole_program::hidden::ask::ask;
+use whole_program::hidden::carry_out::Workshop;
+use whole_program::hidden::judge::Verdict;
+use whole_program::hidden::selection::{Group, Trial};
+
+/// Seeds of these tests: apart from those of the benchmark.
+const SEED: u64 = 4_000_000;
+
+/// The diagnosis uses all cores itself: one case after another, whatever the number of test threads.
+static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
+
+fn trial(group: Group, case: Case, ratio: f64, without: Option<&str>) -> Trial {
+    Trial {
+        id: String::new(),
+        group,
+        case,
+        ratio,
+        without: without.map(Into::into),
+    }
+}
+
+/// Carries trials out and returns a line for each whose verdict is not among the accepted ones.
+fn complaints(trials: &[Trial], accepted: &[Verdict]) -> Vec<String> {
+    let _guard = ONE_AT_A_TIME
+        .lock()
+        .unwrap_or_else(std::sync::PoisonError::into_inner);
+    let mut workshop = Workshop::default();
+    let mut complaints = Vec::new();
+    for trial in trials {
+        let what: Vec<&str> = trial
+            .case
+            .planted
+            .iter()
+            .map(|planted| planted.id.as_str())
+            .collect();
+        let (judged, _) = workshop
+            .carry_out(trial, true)
+            .expect("the package is a campaign");
+        let Some(judgement) = judged.judgement else {
+            complaints.push(format!(
+                "{what:?}: the law absorbs it on {}",
+                trial.case.protocol.id()
+            ));
+            continue;
+        };
+        let line = format!(
+            "{what:?} on {}: {:?}, {} {:?} (the protocol forces {:?})",
+            trial.case.protocol.id(),
+            judgement.verdict,
+            judgement.status,
+            judgement.named,
+            judged.forced
+        );
+        println!("{line}");
+        if !accepted.contains(&judgement.verdict) {
+            complaints.push(line);
+        }
+    }
+    complaints
+}
+
+fn assert_none(complaints: &[String]) {
+    assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+}
+
+fn singles(causes: &[&str], protocol: Protocol, ratio: f64) -> Vec<Trial> {
+    causes
+        .iter()
+        .enumerate()
+        .map(|(i, cause)| {
+            let case = Case::one(cause, 1.0, protocol, SEED + i as u64).of_specimen(SEED);
+            trial(Group::Single, case, ratio, None)
+        })
+        .collect()
+}
+
+/// Every cause that a law cannot absorb is named on a day that can tell it; what it is tied to is named with it.
+#[test]
+fn every_cause_is_named_on_a_rich_day() {
+    let on_plate = [
+        "stage-ripple",
+        "cord-compliance",
+        "stribeck-shape",
+        "velocity-strengthening",
+        "bristle-set",
+        "wear",
+        "thermal-softening",
+        "surface-texture",
+        "surface-gradient",
+        "load-dependence",
+        "load-oscillation",
+        "force-zero-offset",
+        "stage-tilt",
+        "force-zero-drift",
+        "sensor-lag",
+        "force-saturation",
+        "force-resolution",
+        "clock-offset",
+        "frictional-memory",
+        "dwell-ageing",
+        "velocity-lag",
+        "load-crosstalk",
+    ];
+    let mut trials = singles(&on_plate, Protocol::RichTurned, 5.0);
+    trials.extend(singles(
+        &["moving-inertia", "backlash", "direction-asymmetry"],
+        Protocol::Drive,
+        5.0,
+    ));
+    assert_none(&complaints(
+        &trials,
+        &[Verdict::Right, Verdict::Tight, Verdict::Loose],
+    ));
+}
+
+/// On the paper's protocol a constant force, a tilt and crosstalk are one thing: the answer is the set.
+#[test]
+fn ties_of_the_papers_protocol_are_answered_by_the_set() {
+    let trials = singles(
+        &["force-zero-offset", "stage-tilt", "load-crosstalk"],
+        Protocol::PaperBlocked,
+        5.0,
+    );
+    assert_none(&complaints(&trials, &[Verdict::Right]));
+}
+
+/// Nothing planted: nothing named, nothing unexplained.
+#[test]
+fn nothing_is_found_where_nothing_is() {
+    let trials: Vec<Trial> = [
+        (Protocol::PaperBlocked, NoiseKind::Usual),
+        (Protocol::PaperAlternating, NoiseKind::HeavyTails),
+        (Protocol::PaperBlocked, NoiseKind::WideScatter),
+        (Protocol::Rich, NoiseKind::Usual),
+        (Protocol::Speeds, NoiseKind::PlateRoughness),
+    ]
+    .into_iter()
+    .enumerate()
+    .map(|(i, (protocol, noise))| {
+        trial(
+            Group::Nothing,
+            Case::nothing(protocol, noise, SEED + 100 + i as u64),
+            0.0,
+            None,
+        )
+    })
+    .collect();
+    assert_none(&complaints(&trials, &[Verdict::Right]));
+}
+
+/// What no cause of the catalogue makes is reported as unexplained, without a name.
+#[test]
+fn aliens_are_refused() {
+    let trials: Vec<Trial> = planting::species::ALIENS
+        .iter()
+        .enumerate()
+        .map(|(i, alien)| {
+            let case =
+                Case::one(alien, 1.0, Protocol::Rich, SEED + 200 + i as u64).of_specimen(SEED);
+            trial(Group::Alien, case, 5.0, None)
+        })
+        .collect();
+    assert_none(&complaints(&trials, &[Verdict::Right]));
+}
+
+/// Two causes at once are two findings.
+#[test]
+fn a_pair_is_two_findings() {
+    let case = Case::one("surface-texture", 1.0, Protocol::Rich, SEED + 300)
+        .of_specimen(SEED)
+        .with("force-zero-drift", 1.0, false);
+    assert_none(&complaints(
+        &[trial(Group::Pair, case, 5.0, None)],
+        &[Verdict::Right],
+    ));
+}
+
+/// With its cause taken out of the catalogue an effect is unexplained, not another name.
+#[test]
+fn a_cause_taken_out_of_the_catalogue_is_refused() {
+    let trials: Vec<Trial> = [
+        "surface-texture",
+        "surface-gradient",
+        "force-zero-drift",
+        "bristle-set",
+    ]
+    .iter()
+    .enumerate()
+    .map(|(i, cause)| {
+        let case = Case::one(cause, 1.0, Protocol::Rich, SEED + 400 + i as u64).of_specimen(SEED);
+        trial(Group::Control, case, 8.0, Some(cause))
+    })
+    .collect();
+    assert_none(&complaints(&trials, &[Verdict::Right]));
+}
+
+/// Renames every run and file, lists the runs the other way round, and adds metadata that mean nothing.
+fn disguise(files: &[(String, String)]) -> Vec<(String, String)> {
+    let mut disguised = Vec::new();
+    for (path, text) in files {
+        if path != "datapackage.json" {
+            disguised.push((path.replace("run-", "zeta-9"), text.clone()));
+            continue;
+        }
+        let mut package: Value = serde_json::from_str(text).expect("a data package");
+        package["name"] = "something-else".into();
+        package["title"] = "wear force-zero-drift".into();
+        package["keywords"] = serde_json::json!(["sensor-lag"]);
+        let resources = package["resources"].as_array_mut().expect("resources");
+        resources.reverse();
+        for resource in resources {
+            for key in ["name", "path"] {
+                resource[key] = resource[key]
+                    .as_str()
+                    .expect("text")
+                    .replace("run-", "zeta-9")
+                    .into();
+            }
+            resource["remark"] = "taken after lunch".into();
+        }
+        disguised.push((path.clone(), package.to_string()));
+    }
+    disguised
+}
+
+/// An answer without the names of campaign and runs.
+fn nameless(answer: &Value) -> Value {
+    let text = answer
+        .to_string()
+        .replace("something-else", "campaign")
+        .replace("zeta-9", "run-");
+    let mut answer: Value = serde_json::from_str(&text).expect("still JSON");
+    if let Some(place) = answer["unexplained"]["where"].as_object_mut() {
+        place.remove("runs");
+    }
+    answer
+}
+
+/// Names, the order of resources and extra metadata change no digit of an answer.
+#[test]
+fn renaming_and_permuting_change_no_answer() {
+    let _guard = ONE_AT_A_TIME
+        .lock()
+        .unwrap_or_else(std::sync::PoisonError::into_inner);
+    for case in [
+        Case::one("wear", 1.0, Protocol::PaperAlternating, SEED + 500),
+        Case::nothing(Protocol::PaperBlocked, NoiseKind::Usual, SEED + 501),
+    ] {
+        let files = case.carry_out().expect("a known cause").files;
+        let options = Options {
+            quick: true,
+            ..Options::default()
+        };
+        let plain = ask(&files, &options).expect("a campaign").json;
+        let other = ask(&disguise(&files), &options).expect("a campaign").json;
+        assert_eq!(nameless(&plain), nameless(&other));
+    }
+}
