@@ -10,7 +10,7 @@ use biped::gait::STANDING;
 use biped::gait::motion::Motion;
 use biped::kinematics::foot_velocity;
 use report::figure::Figure;
-use report::{Block, Evidence, Value};
+use report::{Block, Evidence, NoticeKind, Value};
 
 use self::strides::{CONTACT, Kind, MAP_WEIGHT, Mount, Solved, WEIGHTS};
 use super::machine;
@@ -103,15 +103,12 @@ impl Stage for Gait {
                 .into(),
             );
         }
-        blocks.push(
-            map(
-                &solved,
-                &targets,
-                published.value("gait.gain")?,
-                &mut output,
-            )
-            .into(),
-        );
+        blocks.push(map(
+            &solved,
+            &targets,
+            published.value("gait.gain")?,
+            &mut output,
+        ));
         impulses(&solved, &targets, &mut output);
         if !quick {
             accelerating(&solved, &targets, &mut output)?;
@@ -209,12 +206,7 @@ fn direction_values(motions: &[(Mount, &Motion)], output: &mut StageOutput) {
 }
 
 /// Gain over contact stiffness and loss at one weight.
-fn map(
-    solved: &[Solved],
-    targets: &Targets,
-    printed_gain: f64,
-    output: &mut StageOutput,
-) -> Figure {
+fn map(solved: &[Solved], targets: &Targets, printed_gain: f64, output: &mut StageOutput) -> Block {
     let in_map = |s: &&Solved| s.start.kind == Kind::Compliant && s.start.weight == MAP_WEIGHT;
     let axis = |pick: fn(&Solved) -> f64| {
         let mut list: Vec<f64> = solved.iter().filter(in_map).map(pick).collect();
@@ -247,7 +239,14 @@ fn map(
         }
         cells.push(row);
     }
-    figures::map(&stiffnesses, &losses, &cells, printed_gain)
+    if cells.iter().flatten().all(Option::is_none) {
+        return Block::notice(
+            NoticeKind::Refusal,
+            "No map of the gain",
+            "In no cell of contact stiffness and loss do both strides carry a certificate, so no gain is claimed.",
+        );
+    }
+    figures::map(&stiffnesses, &losses, &cells, printed_gain).into()
 }
 
 /// Forward and braking impulses of the fastest strides: over a period they cancel.

@@ -21,7 +21,7 @@ const SLIP_SCALE_M_S: f64 = 0.1;
 /// Weight of the mean squared joint rates, s^2.
 const RATE_WEIGHT_S2: f64 = 1e-6;
 /// Steps that a solve may take from a start that is already near.
-const MAX_ITERATIONS: usize = 16;
+const MAX_ITERATIONS: usize = 30;
 
 /// How the brush is mounted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
