@@ -185,22 +185,19 @@ fn a_pair_is_two_findings() {
     ));
 }
 
-/// With its cause taken out of the catalogue an effect is unexplained, not another name.
+/// With its cause taken out of the catalogue an effect is unexplained, not another name. (A texture is not among these:
+/// fixed to the plate, it then counts as roughness of the plate, which repeats and is no error.)
 #[test]
 fn a_cause_taken_out_of_the_catalogue_is_refused() {
-    let trials: Vec<Trial> = [
-        "surface-texture",
-        "surface-gradient",
-        "force-zero-drift",
-        "bristle-set",
-    ]
-    .iter()
-    .enumerate()
-    .map(|(i, cause)| {
-        let case = Case::one(cause, 1.0, Protocol::Rich, SEED + 400 + i as u64).of_specimen(SEED);
-        trial(Group::Control, case, 8.0, Some(cause))
-    })
-    .collect();
+    let trials: Vec<Trial> = ["surface-gradient", "force-zero-drift", "bristle-set"]
+        .iter()
+        .enumerate()
+        .map(|(i, cause)| {
+            let case =
+                Case::one(cause, 1.0, Protocol::Rich, SEED + 400 + i as u64).of_specimen(SEED);
+            trial(Group::Control, case, 8.0, Some(cause))
+        })
+        .collect();
     assert_none(&complaints(&trials, &[Verdict::Right]));
 }
 
