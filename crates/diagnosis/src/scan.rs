@@ -200,9 +200,15 @@ fn scan_with(
     let fitted = &stand.fitted;
     let mut tasks: Vec<(usize, Vec<f64>, bool)> = Vec::new();
     let mut paths: Vec<f64> = vec![0.0; bench.catalogue.len()];
+    let mut shifts: Vec<usize> = Vec::new();
     let dear = fitted.effects.iter().any(|&e| is_dear(bench, e));
     for cause in 0..bench.catalogue.len() {
         let effect = &bench.catalogue[cause];
+        // With free parameters a lean or a gain is the law's own parameter under another name.
+        if bench.prior.is_none() && matches!(effect.id(), "lean-angle" | "force-gain") {
+            shifts.push(cause);
+            continue;
+        }
         if fitted.effects.contains(&cause) || effect.is_data_integrity() || skipped.contains(&cause)
         {
             continue;
@@ -279,6 +285,7 @@ fn scan_with(
         .collect();
     let rays: Vec<(Ray, Score)> = rays.into_iter().flatten().collect();
     let mut found = collect(bench, rays, &tasks, &paths, smooth);
+    found.absorbed.extend(shifts);
     found.sizes = Some(stand.sizes);
     found
 }

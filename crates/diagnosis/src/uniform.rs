@@ -1,10 +1,10 @@
 //! A cause acts everywhere that its signature says: in every run, at every place, at all times.
 //!
 //! With d the fitted effect and y the residual without it (whitened, cleared of all else), the effect's own amplitude in a
-//! group g of samples is a_g = d_g'y_g / d_g'd_g, and one everywhere if the cause is the right one:
+//! group g of samples is a_g = d_g'y_g / d_g'd_g, and the same everywhere if the cause is the right one:
 //!
 //! ```text
-//! H = sum_g d_g'd_g (a_g - 1)^2  ~  chi-squared with (groups - 1) degrees of freedom                       (D5)
+//! H = sum_g d_g'd_g (a_g - mean a)^2  ~  chi-squared with (groups - 1) degrees of freedom                       (D5)
 //! ```
 //!
 //! A burst in one run that looks like an oscillation, or a step on the plate that looks like a long wave, fails. What a wrong
@@ -76,9 +76,11 @@ fn is_even(both: &DMatrix<f64>, groups: &[usize]) -> bool {
     }
     let whole: f64 = sums.iter().map(|s| s.0).sum();
     let present = sums.iter().filter(|s| s.0 > 1e-6 * whole);
+    // Evenness is asked about the effect's own mean amplitude: a fit that stopped early is no burst.
+    let common = sums.iter().map(|s| s.1).sum::<f64>() / whole.max(f64::MIN_POSITIVE);
     let (mut uneven, mut freedom) = (0.0, 0_usize);
     for (power, along) in present {
-        uneven += (along - power).powi(2) / power;
+        uneven += (along - common * power).powi(2) / power;
         freedom += 1;
     }
     freedom < 2 || uneven < UNEVEN * whole || log_chi2_tail(uneven, freedom - 1) > ALPHA.ln()

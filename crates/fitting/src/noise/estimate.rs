@@ -46,6 +46,8 @@ pub struct NoiseModel {
     pub deviance: f64,
 }
 
+/// The longest slide over the longest correlation length that counts as roughness.
+const LONGEST_SHARE: f64 = 20.0;
 /// Samples beyond which starts are compared on every other run only.
 const MANY: usize = 40_000;
 
@@ -183,7 +185,9 @@ impl Frame {
             .fold(0.0, f64::max);
         let span = (hi - lo).max(slid).max(1e-9);
         let step = slid / (n / context.runs.len() as f64);
-        let lengths = ((0.2 * step).max(span * 1e-4), span);
+        // A correlation over more than a twentieth of the longest slide is no roughness but a law that misses the record.
+        let shortest = (0.2 * step).max(span * 1e-4);
+        let lengths = (shortest, (span / LONGEST_SHARE).max(2.0 * shortest));
         let bounds = vec![
             ((absolute * 1e-5).ln(), (absolute * 4.0).ln()),
             ((relative * 1e-4).ln(), (relative * 6.0).ln()),
@@ -235,7 +239,7 @@ impl Frame {
         let (short, long) = self.lengths;
         let mut best = (f64::INFINITY, Vec::new());
         for i in 0..4 {
-            let length = (short * (0.15 * long / short).powf((i as f64 + 0.5) / 4.0)).max(short);
+            let length = (short * (0.7 * long / short).powf((i as f64 + 0.5) / 4.0)).max(short);
             for share in [0.05_f64, 0.5] {
                 let x = vec![
                     (self.absolute * share).ln(),
