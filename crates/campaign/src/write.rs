@@ -63,20 +63,26 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
         .parent()
         .filter(|parent| *parent != Path::new(""))
         .unwrap_or(Path::new("."));
-    let name = path
-        .file_name()
-        .map(|name| name.to_string_lossy().into_owned())
-        .unwrap_or_default();
     std::fs::create_dir_all(folder).map_err(refuse)?;
-    let temporary = folder.join(format!(".{name}.{}.part", std::process::id()));
-    let written = std::fs::File::create(&temporary)
-        .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
-        .and_then(|()| std::fs::rename(&temporary, path));
-    written.map_err(|source| {
-        // What is left of a failed attempt is of no use; that it cannot be removed changes nothing.
-        let _ = std::fs::remove_file(&temporary);
-        refuse(source)
-    })
+    let mut draft = draft_file().tempfile_in(folder).map_err(refuse)?;
+    draft.write_all(bytes).map_err(refuse)?;
+    draft.as_file().sync_all().map_err(refuse)?;
+    draft.persist(path).map_err(|error| refuse(error.error))?;
+    Ok(())
+}
+
+/// A temporary file that, once it has its name, may be read as any other new file may (not by its owner alone).
+fn draft_file() -> tempfile::Builder<'static, 'static> {
+    let builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    let builder = {
+        use std::os::unix::fs::PermissionsExt;
+        let mut builder = builder;
+        // What the process's mask leaves of this is what any new file gets.
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+        builder
+    };
+    builder
 }
 
 /// Columns of a run in the package's units: quantity, factor from SI, samples.

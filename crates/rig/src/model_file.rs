@@ -1,7 +1,6 @@
 //! The model file `bristle/model/1`: a law's parameters with their uncertainty, and the extension that a diagnosis found.
 
 use std::collections::BTreeMap;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use friction::LawKind;
@@ -153,19 +152,7 @@ impl ModelFile {
         };
         let mut text = serde_json::to_string_pretty(self).map_err(|e| failed(e.into()))?;
         text.push('\n');
-        let mut name = path.file_name().unwrap_or_default().to_owned();
-        name.push(format!(".{}.part", std::process::id()));
-        let part = path.with_file_name(name);
-        let written = std::fs::File::create(&part)
-            .and_then(|mut file| {
-                file.write_all(text.as_bytes())
-                    .and_then(|()| file.sync_all())
-            })
-            .and_then(|()| std::fs::rename(&part, path));
-        if written.is_err() {
-            let _ = std::fs::remove_file(&part);
-        }
-        written.map_err(failed)
+        campaign::write_atomically(path, text.as_bytes()).map_err(|error| failed(error.source))
     }
 
     /// The law.
