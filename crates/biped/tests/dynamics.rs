@@ -251,7 +251,10 @@ fn generalised_forces_are_those_of_a_second_program() {
         6.67881990398669,
         -1.2009101867308547,
     ];
-    for (ours, golden) in inverse_dynamics(&sample::biped(), &q, &v, &a).into_iter().zip(golden) {
+    for (ours, golden) in inverse_dynamics(&sample::biped(), &q, &v, &a)
+        .into_iter()
+        .zip(golden)
+    {
         assert!(close(ours, golden, 1e-12), "{ours} / {golden}");
     }
 }

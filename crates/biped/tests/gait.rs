@@ -11,7 +11,10 @@ use biped::gait::{Contact, Goal, Limits, Mesh, Problem, STANDING, Touchdown};
 use biped::kinematics::{Leg, leg_points};
 use trajectory::{Block, Options, Programme};
 
-const BRUSH: Brush = Brush { forward: 0.9049, reverse: 0.4314 };
+const BRUSH: Brush = Brush {
+    forward: 0.9049,
+    reverse: 0.4314,
+};
 
 fn problem(contact: Contact, brush: Brush, weight: f64, aim_m_s: f64) -> Problem {
     Problem {
@@ -33,18 +36,42 @@ fn shipped(kind: &str, brush: &str, weight: f64, aim: f64) -> Vec<f64> {
         .as_array()
         .unwrap()
         .iter()
-        .find(|row| row["kind"] == kind && row["brush"] == brush && row["weight"] == weight && row["aim"] == aim)
+        .find(|row| {
+            row["kind"] == kind
+                && row["brush"] == brush
+                && row["weight"] == weight
+                && row["aim"] == aim
+        })
         .unwrap();
-    row["x"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+    row["x"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|x| x.as_f64().unwrap())
+        .collect()
 }
 
 fn solved(problem: Problem, start: Vec<f64>) -> Outcome {
-    let options = Options { max_iterations: 60, ..Options::default() };
-    solve_all(&[Case { problem, starts: vec![start] }], &options).unwrap().remove(0)
+    let options = Options {
+        max_iterations: 60,
+        ..Options::default()
+    };
+    solve_all(
+        &[Case {
+            problem,
+            starts: vec![start],
+        }],
+        &options,
+    )
+    .unwrap()
+    .remove(0)
 }
 
-const STIFF: Contact =
-    Contact::Compliant(Ground { stiffness_n_m15: 2e5, loss_s_m: 1.0, slip_scale_m_s: 0.1 });
+const STIFF: Contact = Contact::Compliant(Ground {
+    stiffness_n_m15: 2e5,
+    loss_s_m: 1.0,
+    slip_scale_m_s: 0.1,
+});
 
 #[test]
 fn a_compliant_stride_is_certified_and_obeys_the_physics() {
@@ -54,14 +81,25 @@ fn a_compliant_stride_is_certified_and_obeys_the_physics() {
     let motion = &outcome.motion;
     // Cost from its definition.
     let cost = 0.01 * (motion.speed_m_s - 20.0).powi(2) + motion.effort(&problem);
-    assert!((cost - outcome.cost).abs() < 2e-3 * cost, "{cost} / {}", outcome.cost);
+    assert!(
+        (cost - outcome.cost).abs() < 2e-3 * cost,
+        "{cost} / {}",
+        outcome.cost
+    );
     // Impulses cancel over a period, up to the error of the mesh.
     let [forward, braking] = motion.forward_and_braking_n_s();
-    assert!(forward > 1.0 && (forward - braking).abs() < 0.02 * forward, "{forward} {braking}");
+    assert!(
+        forward > 1.0 && (forward - braking).abs() < 0.02 * forward,
+        "{forward} {braking}"
+    );
     assert!(motion.energy_gap(&problem) < 0.03);
     // Forces push only, and lie within the friction limits.
     let limit = BRUSH.symmetric().forward;
-    for s in motion.samples.iter().filter(|s| STANDING[s.phase].is_some()) {
+    for s in motion
+        .samples
+        .iter()
+        .filter(|s| STANDING[s.phase].is_some())
+    {
         assert!(s.force_n[1] >= -1e-6);
         assert!(s.force_n[0].abs() <= limit * s.force_n[1] + 1e-6);
     }
@@ -82,7 +120,13 @@ fn a_rigid_foot_stands_still_and_its_impact_conserves_what_it_must() {
         }
     }
     // Momentum jumps by the impulse: landing after the first flight.
-    let before = outcome.motion.samples.iter().rev().find(|s| s.phase == 1).unwrap();
+    let before = outcome
+        .motion
+        .samples
+        .iter()
+        .rev()
+        .find(|s| s.phase == 1)
+        .unwrap();
     let after = outcome.motion.phase_starts[2];
     let p0 = biped::dynamics::momenta(&problem.biped, &before.q, &before.v).0;
     let p1 = biped::dynamics::momenta(&problem.biped, &before.q, &after).0;
@@ -100,11 +144,19 @@ fn the_guess_puts_standing_feet_into_the_ground_and_the_others_above() {
     let x = Guess::default().variables(&problem);
     let layout = Layout::new(&problem);
     assert_eq!(x.len(), layout.count());
-    for place in layout.places().into_iter().filter(|&place| !layout.is_last(place)) {
+    for place in layout
+        .places()
+        .into_iter()
+        .filter(|&place| !layout.is_last(place))
+    {
         let q = std::array::from_fn(|k| x[layout.q(place) + k]);
         for leg in Leg::BOTH {
             let height = leg_points(&problem.biped, &q, leg).foot[1];
-            assert_eq!(height < 0.0, STANDING[place.phase] == Some(leg), "{place:?} {leg:?} {height}");
+            assert_eq!(
+                height < 0.0,
+                STANDING[place.phase] == Some(leg),
+                "{place:?} {leg:?} {height}"
+            );
         }
     }
 }
@@ -112,7 +164,11 @@ fn the_guess_puts_standing_feet_into_the_ground_and_the_others_above() {
 /// Blocks name existing variables once, and every variable is used somewhere.
 #[test]
 fn the_programme_is_well_formed() {
-    for contact in [STIFF, Contact::Rigid(Touchdown::Impact), Contact::Rigid(Touchdown::Still)] {
+    for contact in [
+        STIFF,
+        Contact::Rigid(Touchdown::Impact),
+        Contact::Rigid(Touchdown::Still),
+    ] {
         let stride = Stride::new(problem(contact, BRUSH, 1.0, 20.0));
         let count = stride.layout.count();
         let mut used = vec![false; count];
@@ -120,7 +176,11 @@ fn the_programme_is_well_formed() {
         for index in blocks.iter().flat_map(|b| b.variables.iter().copied()) {
             used[index] = true;
         }
-        for index in stride.linear().iter().flat_map(|row| row.terms.iter().map(|t| t.0)) {
+        for index in stride
+            .linear()
+            .iter()
+            .flat_map(|row| row.terms.iter().map(|t| t.0))
+        {
             used[index] = true;
         }
         assert_eq!(stride.variables().len(), count);

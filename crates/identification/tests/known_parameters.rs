@@ -164,11 +164,7 @@ fn the_scale_ray_is_flat_and_one_singular_value_is_zero() {
 #[test]
 fn a_held_lean_stays_and_wrong_questions_are_refused() {
     let campaign = made();
-    let held = identify(
-        &campaign,
-        &bristle().values_only().holding("theta0", -0.25),
-    )
-    .unwrap();
+    let held = identify(&campaign, &bristle().values_only().holding("theta0", -0.25)).unwrap();
     let lean = held.estimate("theta0").unwrap();
     assert_eq!(lean.value, -0.25);
     assert!(lean.held && lean.sd.is_none());

@@ -67,15 +67,21 @@ pub fn solve_all(cases: &[Case], options: &Options) -> Result<Vec<Outcome>, Prog
         .par_iter()
         .map(|(index, start)| {
             let stride = Stride::new(cases[*index].problem);
-            Ok((*index, solve(&stride, &Start::cold((*start).clone()), options)?))
+            Ok((
+                *index,
+                solve(&stride, &Start::cold((*start).clone()), options)?,
+            ))
         })
         .collect::<Result<_, ProgrammeError>>()?;
     Ok(cases
         .iter()
         .enumerate()
         .filter_map(|(index, case)| {
-            let own: Vec<&Solution> =
-                solutions.iter().filter(|(i, _)| *i == index).map(|(_, s)| s).collect();
+            let own: Vec<&Solution> = solutions
+                .iter()
+                .filter(|(i, _)| *i == index)
+                .map(|(_, s)| s)
+                .collect();
             best(case, &own)
         })
         .collect())
@@ -89,7 +95,8 @@ fn best(case: &Case, solutions: &[&Solution]) -> Option<Outcome> {
         a_open.cmp(&b_open).then(a_cost.total_cmp(&b_cost))
     })?;
     let same = |s: &&&Solution| {
-        s.status == winner.status && (s.cost - winner.cost).abs() <= SAME_MINIMUM * winner.cost.abs()
+        s.status == winner.status
+            && (s.cost - winner.cost).abs() <= SAME_MINIMUM * winner.cost.abs()
     };
     Some(Outcome {
         problem: case.problem,
