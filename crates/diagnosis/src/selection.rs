@@ -280,8 +280,8 @@ pub(crate) fn select(
     let stand = match chosen {
         None => {
             left = general;
-            let again = Stand::new(bench, subset, base.fitted.clone(), base.sizes);
-            again
+
+            Stand::new(bench, subset, base.fitted.clone(), base.sizes)
         }
         Some(stand) => {
             left = lack(bench, subset, &stand);

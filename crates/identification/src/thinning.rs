@@ -21,10 +21,11 @@ pub(crate) fn thinned(campaign: &Campaign, most: usize) -> Campaign {
             &mut run.position_m,
             &mut run.normal_force_n,
             &mut run.temperature_c,
-        ] {
-            if let Some(values) = column {
-                every(values);
-            }
+        ]
+        .into_iter()
+        .flatten()
+        {
+            every(column);
         }
     }
     thin

@@ -89,9 +89,11 @@ fn nothing(all: &[Judged]) -> Value {
     json!({"named": share(total.1, total.0), "unexplained": share(total.2, total.0), "rows": rows})
 }
 
+/// Cause, protocol, size over the threshold.
+type Cell = (String, String, String);
+
 fn singles(all: &[Judged], groups: &[Group]) -> Value {
-    let mut by_key: BTreeMap<(String, String, String), Vec<(&Judged, &Judgement)>> =
-        BTreeMap::new();
+    let mut by_key: BTreeMap<Cell, Vec<(&Judged, &Judgement)>> = BTreeMap::new();
     for (judged, judgement) in counted(all, groups) {
         let planted = &judged.trial.case.planted[0];
         let key = (

@@ -72,7 +72,8 @@ pub(super) fn wavelengths_m(experiment: &Experiment) -> (f64, f64) {
     let step = median_step(experiment.runs.iter().map(|run| run.position_m.as_slice()));
     let span = plate_span_m(experiment);
     let shortest = (2.5 * step).min(span / 4.0);
-    (shortest, span)
+    // A period is claimed only where the travel shows it twice: a longer "wave" is a step or a gradient.
+    (shortest, span / 2.0)
 }
 
 /// Length of the plate that was visited, m.

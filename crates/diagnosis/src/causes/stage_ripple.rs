@@ -40,7 +40,7 @@ impl Cause for StageRipple {
 
     fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
         let (shortest, longest) = grids::wavelengths_m(experiment);
-        let shape = grids::bounded(&PARAMETERS[2], 0.8 * shortest, 2.0 * longest, 0.1 * longest);
+        let shape = grids::bounded(&PARAMETERS[2], 0.8 * shortest, longest, 0.1 * longest);
         vec![PARAMETERS[0].clone(), PARAMETERS[1].clone(), shape]
     }
 

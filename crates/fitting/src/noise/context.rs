@@ -52,7 +52,7 @@ impl Context {
         const CELLS: usize = 100;
         let (lo, hi) = self.extent();
         let width = (hi - lo) / CELLS as f64;
-        if !(width > 0.0) {
+        if width.is_nan() || width <= 0.0 {
             return 0.0;
         }
         let mut passes = [0_usize; CELLS];

@@ -131,7 +131,7 @@ impl Rows {
                 }
                 let f = context.scale[i];
                 let (gain, weight) = (along.gain[i], along.inverse_sd[i]);
-                for j in lo..hi {
+                for (j, state) in state.iter_mut().enumerate().take(hi).skip(lo) {
                     let direct = if j == node {
                         left
                     } else if j == node + 1 {
@@ -139,9 +139,9 @@ impl Rows {
                     } else {
                         0.0
                     };
-                    let innovation = f * (direct - state[j][0] - state[j][1]);
-                    state[j][0] += gain[0] * innovation;
-                    state[j][1] += gain[1] * innovation;
+                    let innovation = f * (direct - state[0] - state[1]);
+                    state[0] += gain[0] * innovation;
+                    state[1] += gain[1] * innovation;
                     rows.values.push(innovation * weight);
                 }
                 rows.first.push(lo);

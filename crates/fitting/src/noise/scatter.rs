@@ -142,7 +142,7 @@ pub(super) fn orthonormal_basis(columns: &DMatrix<f64>) -> DMatrix<f64> {
     let mut basis: Vec<DVector<f64>> = Vec::with_capacity(columns.ncols());
     for j in 0..columns.ncols() {
         let norm = columns.column(j).norm();
-        if !(norm > 0.0) || !norm.is_finite() {
+        if norm == 0.0 || !norm.is_finite() {
             continue;
         }
         let mut v: DVector<f64> = columns.column(j) / norm;
