@@ -424,6 +424,10 @@ fn deviate(t: f64, freedom: f64) -> f64 {
     else {
         return t;
     };
+    // No distance, or one that is no number, shows nothing.
+    if t.is_nan() || t <= 0.0 {
+        return 0.0;
+    }
     let tail = 1.0 - student.cdf(t);
     // Far out the tail is t pdf(t)/freedom, and the normal deviate sqrt(-2 log tail) to a few per cent.
     if tail < 1e-14 {
