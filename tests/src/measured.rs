@@ -6,7 +6,7 @@ use campaign::{
 use planting::machine::Recording;
 use planting::plan::{Axis as PlannedAxis, Plan, RunPlan};
 
-/// Height of the bristle roots in planted brushes, m, for [`campaign`].
+/// Height of the bristle roots in planted brushes, m, for [`campaign()`].
 pub const HEIGHT_M: f64 = 7.2e-3;
 
 /// The campaign that a loss-free logger would have written.
