@@ -6,8 +6,10 @@ use biped::contact::{Brush, Ground};
 use biped::gait::{
     Contact, Goal, Limits, Mesh, Problem, Touchdown, motion::Motion, programme::Stride,
 };
-use biped::parameters::{Biped, Link};
 use trajectory::{Options, Start, solve};
+
+#[path = "../tests/sample/mod.rs"]
+mod sample;
 
 fn main() {
     let path = std::env::args().nth(1).unwrap();
@@ -17,26 +19,7 @@ fn main() {
         .unwrap_or(30);
     let rows: Vec<serde_json::Value> =
         serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
-    let biped = Biped {
-        torso_mass_kg: 7.5,
-        torso_inertia_kg_m2: 0.1,
-        torso_length_m: 0.6,
-        thigh: Link {
-            mass_kg: 2.0,
-            inertia_kg_m2: 0.016,
-            length_m: 0.3,
-            centre_m: 0.05,
-        },
-        shank: Link {
-            mass_kg: 0.28,
-            inertia_kg_m2: 0.01,
-            length_m: 0.3,
-            centre_m: 0.05,
-        },
-        hip_torque_n_m: 35.0,
-        knee_torque_n_m: 35.0,
-        gravity_m_s2: 9.81,
-    };
+    let biped = sample::biped();
     let brush = Brush {
         forward: 0.9049,
         reverse: 0.4314,

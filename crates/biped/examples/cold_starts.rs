@@ -4,30 +4,13 @@
 
 use biped::contact::{Brush, Ground};
 use biped::gait::{Contact, Goal, Limits, Mesh, Problem, Touchdown, start::Guess};
-use biped::parameters::{Biped, Link};
+
+#[path = "../tests/sample/mod.rs"]
+mod sample;
 
 fn main() -> std::io::Result<()> {
     let folder = std::env::args().nth(1).unwrap_or_else(|| ".".to_owned());
-    let biped = Biped {
-        torso_mass_kg: 7.5,
-        torso_inertia_kg_m2: 0.1,
-        torso_length_m: 0.6,
-        thigh: Link {
-            mass_kg: 2.0,
-            inertia_kg_m2: 0.016,
-            length_m: 0.3,
-            centre_m: 0.05,
-        },
-        shank: Link {
-            mass_kg: 0.28,
-            inertia_kg_m2: 0.01,
-            length_m: 0.3,
-            centre_m: 0.05,
-        },
-        hip_torque_n_m: 35.0,
-        knee_torque_n_m: 35.0,
-        gravity_m_s2: 9.81,
-    };
+    let biped = sample::biped();
     let soft = Ground {
         stiffness_n_m15: 2e4,
         loss_s_m: 0.0,

@@ -4,30 +4,13 @@ use biped::contact::{Brush, Ground};
 use biped::gait::{
     Contact, Goal, Limits, Mesh, Problem, motion::Motion, programme::Stride, start::Guess,
 };
-use biped::parameters::{Biped, Link};
 use trajectory::{Options, Start, solve};
 
+#[path = "../tests/sample/mod.rs"]
+mod sample;
+
 fn main() {
-    let biped = Biped {
-        torso_mass_kg: 7.5,
-        torso_inertia_kg_m2: 0.1,
-        torso_length_m: 0.6,
-        thigh: Link {
-            mass_kg: 2.0,
-            inertia_kg_m2: 0.016,
-            length_m: 0.3,
-            centre_m: 0.05,
-        },
-        shank: Link {
-            mass_kg: 0.28,
-            inertia_kg_m2: 0.01,
-            length_m: 0.3,
-            centre_m: 0.05,
-        },
-        hip_torque_n_m: 35.0,
-        knee_torque_n_m: 35.0,
-        gravity_m_s2: 9.81,
-    };
+    let biped = sample::biped();
     let brush = Brush {
         forward: 0.9049,
         reverse: 0.4314,
