@@ -111,7 +111,8 @@ pub(crate) fn certify(
     certificate.smallest_curvature = if certificate.freedom == 0 {
         f64::INFINITY
     } else {
-        largest_eigenvalue(n + m, free, |v| proposer.newton.solve(v)).map_or(f64::NAN, |θ| 1.0 / θ)
+        largest_eigenvalue(n + m, free, |v| proposer.newton.solve_backward(v))
+            .map_or(f64::NAN, |θ| 1.0 / θ)
     };
 
     // [I J_Aᵀ; J_A 0]⁻¹ [0; w] = [·; −(J_A J_Aᵀ)⁻¹ w]: its largest eigenvalue is 1/σ_min².
@@ -131,7 +132,7 @@ pub(crate) fn certify(
         let solve = |v: &[f64]| {
             proposer
                 .newton
-                .solve(v)
+                .solve_backward(v)
                 .map(|x| x.iter().map(|x| -x).collect())
         };
         largest_eigenvalue(n + m, held, solve).map_or(0.0, |θ| 1.0 / θ.max(0.0).sqrt())

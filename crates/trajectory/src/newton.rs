@@ -6,9 +6,11 @@
 //! ```
 //!
 //! Rows outside the active set stay in the matrix as `−1` on the diagonal, so
-//! the pattern, and with it the symbolic factorisation, never changes. The
+//! the pattern, and with it the symbolic factorisation, never changes. Steep rows are
+//! scaled down (by powers of two, which round nothing): without pivoting, a steep row `a`
+//! eliminated on its shift `δ` would leave `‖a‖²/δ` where the Hessian stands and drown it. The
 //! matrix is factorised as LDLᵀ without pivoting; `±δ` on the diagonal keeps
-//! pivots alive and iterative refinement removes rounding. The signs of D give
+//! pivots alive and iterative refinement removes both rounding and shifts. The signs of D give
 //! the inertia: with exactly `n` positive ones the reduced Hessian is positive
 //! definite and the step is a minimiser of the subproblem.
 
@@ -22,10 +24,16 @@ use clarabel::qdldl::{QDLDLFactorisation, QDLDLSettingsBuilder};
 const PRIMAL_SHIFT: f64 = 1e-9;
 /// Shift of the active rows' diagonal.
 const DUAL_SHIFT: f64 = 1e-9;
-/// Refinement stops at this relative residual.
-const REFINED: f64 = 1e-13;
-/// A solve whose relative residual stays above this is refused.
-const ACCEPTABLE: f64 = 1e-8;
+/// Rows with a larger entry than this are scaled down to it.
+const STEEP: f64 = 8.0;
+/// Refinement stops at this backward error.
+const REFINED: f64 = 1e-16;
+/// A step whose residual stays above this share of its right-hand side is refused.
+const ACCEPTABLE: f64 = 1e-6;
+/// A solve whose backward error stays above this is refused.
+const BACKWARD: f64 = 1e-10;
+/// Most rounds of refinement.
+const ROUNDS: usize = 30;
 
 /// The rows and variables held at a limit.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,10 +61,21 @@ pub(crate) struct NewtonStep {
     pub positive_definite: bool,
 }
 
+/// A refined solution with its residual relative to the right-hand side and its backward error.
+struct Refined {
+    x: Vec<f64>,
+    residual: f64,
+    backward: f64,
+}
+
 /// The matrix, its factorisation and scratch space.
 pub(crate) struct NewtonSystem {
     pattern: Pattern,
     values: Vec<f64>,
+    /// Diagonal shifts that the factors contain and the system does not.
+    shifts: Vec<f64>,
+    /// Scale of every variable (one) and row.
+    scales: Vec<f64>,
     hessian_slots: Vec<usize>,
     jacobian_slots: Vec<usize>,
     diagonal: Vec<usize>,
@@ -90,6 +109,8 @@ impl NewtonSystem {
         Self {
             pattern,
             values,
+            shifts: vec![0.0; n + m],
+            scales: vec![1.0; n + m],
             hessian_slots,
             jacobian_slots,
             diagonal,
@@ -114,15 +135,30 @@ impl NewtonSystem {
                 self.values[slot] = hessian[k];
             }
         }
+        let mut largest = vec![0.0_f64; s.rows()];
+        for (k, r, c) in s.jacobian.entries() {
+            if active.rows[r] && !active.bounds[c] {
+                largest[r] = largest[r].max(jacobian[k].abs());
+            }
+        }
+        for (scale, largest) in self.scales[n..].iter_mut().zip(&largest) {
+            *scale = if largest.is_finite() {
+                (-(largest / STEEP).max(1.0).log2().round()).exp2()
+            } else {
+                1.0
+            };
+        }
         for ((k, r, c), &slot) in s.jacobian.entries().zip(&self.jacobian_slots) {
             if active.rows[r] && !active.bounds[c] {
-                self.values[slot] = jacobian[k];
+                self.values[slot] = jacobian[k] * self.scales[n + r];
             }
         }
         for v in 0..n {
+            self.shifts[v] = if active.bounds[v] { 0.0 } else { PRIMAL_SHIFT };
             self.values[self.diagonal[v]] += if active.bounds[v] { 1.0 } else { PRIMAL_SHIFT };
         }
         for r in 0..s.rows() {
+            self.shifts[n + r] = if active.rows[r] { -DUAL_SHIFT } else { 0.0 };
             self.values[self.diagonal[n + r]] = if active.rows[r] { -DUAL_SHIFT } else { -1.0 };
         }
         if self.values.iter().any(|v| !v.is_finite()) {
@@ -155,26 +191,57 @@ impl NewtonSystem {
         QDLDLFactorisation::new(&matrix, Some(settings)).ok()
     }
 
-    /// Solves with the last factorisation, refined; `None` if it stays inaccurate.
+    /// Solves with the last factorisation; `None` if the residual stays above a small share of
+    /// the right-hand side, as it does where active gradients depend on each other.
     pub(crate) fn solve(&mut self, rhs: &[f64]) -> Option<Vec<f64>> {
+        let refined = self.refine(rhs)?;
+        (refined.residual <= ACCEPTABLE).then_some(refined.x)
+    }
+
+    /// Solves with the last factorisation; `None` if the backward error stays large. For questions
+    /// about the matrix itself: along flat directions the solution is so much larger than its
+    /// right-hand side that rounding alone exceeds every share of the latter.
+    pub(crate) fn solve_backward(&mut self, rhs: &[f64]) -> Option<Vec<f64>> {
+        let refined = self.refine(rhs)?;
+        (refined.backward <= BACKWARD).then_some(refined.x)
+    }
+
+    /// Solves with the last factorisation and refines, in scaled rows.
+    ///
+    /// The residual is that of the matrix without its shifts, so the shifts cost rounds of
+    /// refinement but do not bend the solution. Refinement minimises the backward error
+    /// `‖b − Kx‖ / (‖K‖ ‖x‖ + ‖b‖)`.
+    fn refine(&mut self, rhs: &[f64]) -> Option<Refined> {
+        let norm = self.norm();
         let factors = self.factors.as_mut()?;
-        let size = max_abs(rhs);
-        if size == 0.0 {
-            return Some(vec![0.0; rhs.len()]);
-        }
+        let scaled =
+            |v: &[f64]| -> Vec<f64> { v.iter().zip(&self.scales).map(|(v, s)| v * s).collect() };
+        let rhs = scaled(rhs);
+        let size = max_abs(&rhs);
         let mut x = vec![0.0; rhs.len()];
-        let mut residual = rhs.to_vec();
+        if size == 0.0 {
+            return Some(Refined {
+                x,
+                residual: 0.0,
+                backward: 0.0,
+            });
+        }
+        let mut residual = rhs.clone();
         let mut best = f64::INFINITY;
-        for _ in 0..12 {
+        for _ in 0..ROUNDS {
             let mut correction = residual.clone();
             factors.solve(&mut correction);
             let trial: Vec<f64> = x.iter().zip(&correction).map(|(x, c)| x + c).collect();
-            let mut product = vec![0.0; rhs.len()];
+            let mut product: Vec<f64> = trial
+                .iter()
+                .zip(&self.shifts)
+                .map(|(x, shift)| -shift * x)
+                .collect();
             self.pattern
                 .add_symmetric_product(&self.values, &trial, &mut product);
             let trial_residual: Vec<f64> = rhs.iter().zip(&product).map(|(b, p)| b - p).collect();
-            let error = max_abs(&trial_residual) / size;
-            if error >= best {
+            let error = max_abs(&trial_residual) / (norm * max_abs(&trial) + size);
+            if error.is_nan() || error >= best {
                 break;
             }
             (x, residual, best) = (trial, trial_residual, error);
@@ -182,7 +249,23 @@ impl NewtonSystem {
                 break;
             }
         }
-        (best <= ACCEPTABLE).then_some(x)
+        Some(Refined {
+            x: scaled(&x),
+            residual: max_abs(&residual) / size,
+            backward: best,
+        })
+    }
+
+    /// Largest row sum of the matrix.
+    fn norm(&self) -> f64 {
+        let mut sums = vec![0.0; self.pattern.columns];
+        for (k, r, c) in self.pattern.entries() {
+            sums[r] += self.values[k].abs();
+            if r != c {
+                sums[c] += self.values[k].abs();
+            }
+        }
+        max_abs(&sums)
     }
 
     /// Newton's step from `(x, y)` on `active`.

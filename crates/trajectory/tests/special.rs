@@ -3,7 +3,7 @@
 mod library;
 
 use library::special::{
-    ContradictingLinearisation, DoubledRow, Impossible, Maratos, OutsideDomain, Saddle,
+    ContradictingLinearisation, DoubledRow, FlatValley, Impossible, Maratos, OutsideDomain, Saddle,
 };
 use trajectory::{
     Block, Multipliers, Options, Programme, ProgrammeError, Row, Scalar, Solution, Start, Status,
@@ -96,6 +96,35 @@ fn a_saddle_is_not_certified() {
     assert!((off.cost + 4.0).abs() < 1e-12 && (off.multipliers.bounds[1] - 4.0).abs() < 1e-9);
     let endless = run(&Saddle { bounded: false }, &[1.0, 0.1], &Options::default());
     assert!(!endless.status.is_solved(), "{:?}", endless.status);
+}
+
+/// Without pivoting and with unscaled rows, rounding drowns this curvature; shifts may bend neither step nor certificate.
+#[test]
+fn a_flat_valley_between_steep_rows_is_certified_with_its_own_curvature() {
+    for curvature in [1.0, 1e-3, 3e-5] {
+        let solution = run(&FlatValley { curvature }, &[5.0; 4], &Options::default());
+        assert_eq!(
+            solution.status,
+            Status::Solved,
+            "{curvature} {:?} {:?}",
+            solution.certificate,
+            solution.x
+        );
+        for (x, expected) in solution.x.iter().zip([0.0, 1.0, 4.0, 3.0]) {
+            assert!((x - expected).abs() < 1e-6, "{curvature}: {:?}", solution.x);
+        }
+        let found = solution.certificate.smallest_curvature;
+        assert!(
+            (found - curvature).abs() < 1e-3 * curvature,
+            "{found} / {curvature}"
+        );
+    }
+    let flat = run(
+        &FlatValley { curvature: 0.0 },
+        &[5.0; 4],
+        &Options::default(),
+    );
+    assert!(!flat.status.is_solved(), "{:?}", flat.status);
 }
 
 #[test]

@@ -131,3 +131,32 @@ impl Programme for OutsideDomain {
         *f = x[0].ln() + x[1] * x[1];
     }
 }
+
+/// A long flat valley between steep rows: min ½ κ Σ (xₖ − k)² over four variables with
+/// 300 (x₁ + x₂) = 300 and 300 (x₃ − x₄) = 300; minimum at (0, 1, 4, 3), reduced Hessian κ I.
+pub struct FlatValley {
+    pub curvature: f64,
+}
+
+impl Programme for FlatValley {
+    fn variables(&self) -> Vec<Variable> {
+        variables(4)
+    }
+
+    fn blocks(&self) -> Vec<Block> {
+        vec![Block::new(
+            "valley",
+            vec![0, 1, 2, 3],
+            vec![Row::equal(1.0); 2],
+        )]
+    }
+
+    fn evaluate<D: Scalar>(&self, _: usize, x: &[D], f: &mut D, c: &mut [D]) {
+        for (k, &x) in x.iter().enumerate() {
+            let miss = x - (k + 1) as f64;
+            *f += miss * miss * (0.5 * self.curvature);
+        }
+        c[0] = (x[0] + x[1] - 1.0) * 300.0;
+        c[1] = (x[2] - x[3] - 1.0) * 300.0;
+    }
+}
