@@ -18,24 +18,40 @@ fn ink(mount: Mount) -> Ink {
     }
 }
 
+/// Speeds of one brush over the speed weights.
+pub(super) struct Speeds {
+    pub(super) mount: Mount,
+    /// Of strides with a certificate.
+    pub(super) certified: Vec<Option<f64>>,
+    /// Of the others.
+    pub(super) open: Vec<Option<f64>>,
+}
+
+fn over_weights(speeds: &[Option<f64>]) -> Vec<[f64; 2]> {
+    WEIGHTS
+        .iter()
+        .zip(speeds)
+        .map(|(weight, speed)| [*weight, speed.unwrap_or(f64::NAN)])
+        .collect()
+}
+
 /// Fig. 12: best mean speed against the speed weight.
 pub(super) fn speeds(
     id: &str,
     title: &str,
-    rows: &[(Mount, Vec<Option<f64>>)],
+    rows: &[Speeds],
     published: &Published,
 ) -> Result<Figure, StageError> {
-    let series = rows
-        .iter()
-        .map(|(mount, speeds)| {
-            let points = WEIGHTS
-                .iter()
-                .zip(speeds)
-                .map(|(weight, speed)| [*weight, speed.unwrap_or(f64::NAN)])
-                .collect();
-            Series::line(mount.id(), ink(*mount), points).marked(Mark::LinePoints)
-        })
-        .collect();
+    let mut series = Vec::new();
+    for row in rows {
+        let line = Series::line(row.mount.id(), ink(row.mount), over_weights(&row.certified));
+        series.push(line.marked(Mark::LinePoints));
+        if row.open.iter().any(Option::is_some) {
+            let name = format!("{}, no certificate", row.mount.id());
+            let points = Series::line(&name, Ink::Muted, over_weights(&row.open));
+            series.push(points.marked(Mark::Points));
+        }
+    }
     let printed = |brush: &str| published.value(&format!("gait.best_speed.{brush}"));
     let plot = LinePlot {
         x: Axis::new("speed weight Q_v", "s²/m²").log(),

@@ -75,8 +75,7 @@ impl Stage for Gait {
             blocks.push(rigid.into());
         }
         let at_low = |mount: Mount| {
-            solved
-                .iter()
+            certified(&solved)
                 .find(|s| s.is(Kind::Compliant, CONTACT, mount, MAP_WEIGHT, targets.low))
         };
         if let (Some(symmetric), Some(asymmetric)) =
@@ -131,7 +130,13 @@ fn value(id: String, number: f64, unit: &str) -> Value {
     Value::new(id, number, unit, "gait", Evidence::Computed)
 }
 
-/// Values and figure of the sweep over the speed weights with one contact.
+/// The strides that a number may come from.
+fn certified(solved: &[Solved]) -> impl Iterator<Item = &Solved> {
+    solved.iter().filter(|s| s.outcome.is_certified())
+}
+
+/// Values and figure of the sweep over the speed weights with one contact. A mean needs a certificate at every
+/// weight: over fewer weights it would be another quantity than the printed one.
 fn best_speeds(
     solved: &[Solved],
     kind: Kind,
@@ -143,14 +148,20 @@ fn best_speeds(
     let mut rows = Vec::new();
     let mut means = Vec::new();
     for mount in Mount::ALL {
-        let of = |weight: f64| {
-            solved
-                .iter()
-                .find(|s| s.is(kind, CONTACT, mount, weight, targets.high))
-        };
-        let speeds: Vec<Option<f64>> = WEIGHTS
+        let strides: Vec<Option<&Solved>> = WEIGHTS
             .iter()
-            .map(|&weight| of(weight).map(|s| s.outcome.motion.speed_m_s))
+            .map(|&weight| {
+                solved
+                    .iter()
+                    .find(|s| s.is(kind, CONTACT, mount, weight, targets.high))
+            })
+            .collect();
+        let speeds: Vec<Option<f64>> = strides
+            .iter()
+            .map(|s| {
+                s.filter(|s| s.outcome.is_certified())
+                    .map(|s| s.outcome.motion.speed_m_s)
+            })
             .collect();
         for (weight, speed) in WEIGHTS.iter().zip(&speeds) {
             let id = format!("{prefix}.speed.{}.qv-{weight}", mount.id());
@@ -158,14 +169,9 @@ fn best_speeds(
                 .values
                 .push(value(id, speed.unwrap_or(f64::NAN), "m/s"));
         }
-        let certified = WEIGHTS
-            .iter()
-            .filter_map(|&w| of(w))
-            .filter(|s| s.outcome.is_certified())
-            .count();
         output.values.push(value(
             format!("{prefix}.certified.{}", mount.id()),
-            certified as f64,
+            speeds.iter().flatten().count() as f64,
             "1",
         ));
         let mean = speeds.iter().map(|s| s.unwrap_or(f64::NAN)).sum::<f64>() / WEIGHTS.len() as f64;
@@ -176,7 +182,18 @@ fn best_speeds(
         }
         output.values.push(mean_value);
         means.push(mean);
-        rows.push((mount, speeds));
+        let open = strides
+            .iter()
+            .map(|s| {
+                s.filter(|s| !s.outcome.is_certified())
+                    .map(|s| s.outcome.motion.speed_m_s)
+            })
+            .collect();
+        rows.push(figures::Speeds {
+            mount,
+            certified: speeds,
+            open,
+        });
     }
     let gain = 100.0 * (means[1] / means[0] - 1.0);
     let mut gain_value = value(format!("{prefix}.gain"), gain, "percent");
@@ -220,10 +237,8 @@ fn map(solved: &[Solved], targets: &Targets, printed_gain: f64, output: &mut Sta
         let mut row = Vec::new();
         for &c in &losses {
             let speed = |mount: Mount| {
-                solved
-                    .iter()
+                certified(solved)
                     .find(|s| s.is(Kind::Compliant, (k, c), mount, MAP_WEIGHT, targets.high))
-                    .filter(|s| s.outcome.is_certified())
                     .map(|s| s.outcome.motion.speed_m_s)
             };
             let gain = match (speed(Mount::Symmetric), speed(Mount::Asymmetric)) {
@@ -252,8 +267,7 @@ fn map(solved: &[Solved], targets: &Targets, printed_gain: f64, output: &mut Sta
 /// Forward and braking impulses of the fastest strides: over a period they cancel.
 fn impulses(solved: &[Solved], targets: &Targets, output: &mut StageOutput) {
     for mount in Mount::ALL {
-        let found = solved
-            .iter()
+        let found = certified(solved)
             .find(|s| s.is(Kind::Compliant, CONTACT, mount, MAP_WEIGHT, targets.high));
         let Some(solved) = found else { continue };
         let motion = &solved.outcome.motion;
@@ -276,13 +290,11 @@ fn accelerating(
     output: &mut StageOutput,
 ) -> Result<(), StageError> {
     let of = |mount: Mount| {
-        solved
-            .iter()
-            .find(|s| s.is(Kind::Compliant, CONTACT, mount, MAP_WEIGHT, targets.low))
+        certified(solved).find(|s| s.is(Kind::Compliant, CONTACT, mount, MAP_WEIGHT, targets.low))
     };
     let periodic: Vec<&Solved> = Mount::ALL.into_iter().filter_map(of).collect();
     let strides = strides::accelerate(&periodic, targets.low)?;
-    let mut certified = Vec::new();
+    let mut found = Vec::new();
     for stride in &strides {
         let name = stride.start.brush.id();
         let acceleration = stride.outcome.motion.acceleration_m_s2;
@@ -292,14 +304,14 @@ fn accelerating(
                 acceleration,
                 "m/s^2",
             ));
-            certified.push((stride.start.brush, acceleration));
+            found.push((stride.start.brush, acceleration));
         }
         output.work.insert(
             format!("accelerating stride, {name}: steps"),
             stride.outcome.iterations as u64,
         );
     }
-    let of = |mount: Mount| certified.iter().find(|(m, _)| *m == mount).map(|(_, a)| *a);
+    let of = |mount: Mount| found.iter().find(|(m, _)| *m == mount).map(|(_, a)| *a);
     if let (Some(symmetric), Some(asymmetric)) = (of(Mount::Symmetric), of(Mount::Asymmetric)) {
         output.values.push(value(
             "gait.acceleration.gain".into(),
@@ -310,10 +322,9 @@ fn accelerating(
     Ok(())
 }
 
-/// Largest slip of a loaded foot over all strides, m/s.
+/// Largest slip of a loaded foot over all certified strides, m/s.
 fn largest_slip(solved: &[Solved]) -> f64 {
-    solved
-        .iter()
+    certified(solved)
         .flat_map(|s| {
             s.outcome
                 .motion
@@ -331,11 +342,12 @@ fn largest_slip(solved: &[Solved]) -> f64 {
 
 /// How far the numbers can be trusted: certificates, and the mesh against a finer integration.
 fn quality(solved: &[Solved], output: &mut StageOutput) {
-    let certified = solved.iter().filter(|s| s.outcome.is_certified()).count();
-    let worst = |pick: &dyn Fn(&Solved) -> f64| solved.iter().map(pick).fold(0.0, f64::max);
-    let energy = worst(&|s| s.outcome.motion.energy_gap(&s.outcome.problem));
+    let count = certified(solved).count();
+    let energy = certified(solved)
+        .map(|s| s.outcome.motion.energy_gap(&s.outcome.problem))
+        .fold(0.0, f64::max);
     for (id, number) in [
-        ("gait.strides.certified", certified as f64),
+        ("gait.strides.certified", count as f64),
         ("gait.strides.solved", solved.len() as f64),
         ("gait.mesh.worst_energy_gap", energy),
     ] {
@@ -349,10 +361,10 @@ fn quality(solved: &[Solved], output: &mut StageOutput) {
     output
         .work
         .insert("quadratic subproblems".into(), subproblems as u64);
-    if certified < solved.len() {
+    if count < solved.len() {
         let detail = format!(
             "{} of {} strides lack a certificate",
-            solved.len() - certified,
+            solved.len() - count,
             solved.len()
         );
         output.status = StageStatus::NotConverged(detail);

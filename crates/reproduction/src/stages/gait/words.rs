@@ -56,8 +56,8 @@ pub(super) fn section(figures: Vec<Block>, values: &[Value], quick: bool) -> Sec
             "One stride: front stance, flight, rear stance, flight, periodic but for the distance. Cost \
              $Q_v (\\bar v - v_{\\mathrm{aim}})^2 + \\overline{\\sum \\tau^2}/\\tau_{\\max}^2$; two-stage Radau collocation with free \
              durations; sequential quadratic programming on Clarabel. {{ n(\"gait.strides.certified\") }} of \
-             {{ n(\"gait.strides.solved\") }} strides carry a certificate (first and second order); the others meet the \
-             equations of motion but are not proven to be minima, and say so in the table of strides."
+             {{ n(\"gait.strides.solved\") }} strides carry a certificate (first and second order); numbers come from these \
+             alone, and the table of strides names the status of each."
                 .into(),
         ),
         status: quick.then(|| "quick look: the sweep of one contact only".to_owned()),
