@@ -37,7 +37,11 @@ impl ProfileOptions {
             resolution: 1e-3,
             fallback_step,
             doublings: 12,
-            inner: Options::warm(),
+            // The ends are wanted to a thousandth of the half width: D must be right to a hundredth, not to rounding.
+            inner: Options {
+                reduction_tolerance: 1e-8,
+                ..Options::warm()
+            },
         }
     }
 }

@@ -8,7 +8,6 @@ use fitting::noise::Sizes;
 use friction::LawKind;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 use rig::{Experiment, Model};
 
 use crate::identify::identify;
@@ -71,66 +70,98 @@ pub struct Coverage {
 /// Bootstrap draws a campaign.
 const DRAWS: usize = 399;
 
-/// One parameter in one campaign.
-#[derive(Clone, Copy)]
-struct One {
-    value: f64,
-    sd: f64,
-    low: f64,
-    high: f64,
-    at_bound: bool,
-    degrees: f64,
-    gain_share: f64,
-    bootstrap: Option<bool>,
+/// One parameter in one simulated campaign.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Simulated {
+    /// Estimate.
+    pub value: f64,
+    /// Standard deviation by the covariance, not a number where there is none.
+    pub sd: f64,
+    /// Lower end of the interval.
+    pub low: f64,
+    /// Upper end of the interval.
+    pub high: f64,
+    /// Whether the estimate lies on a bound.
+    pub at_bound: bool,
+    /// Degrees of freedom of the interval's quantile.
+    pub degrees: f64,
+    /// Share of the variance that comes from the gains of runs.
+    pub gain_share: f64,
+    /// Whether the bootstrap's interval holds the truth, where it was taken.
+    pub bootstrap: Option<bool>,
 }
 
-/// Simulates and identifies `count` campaigns on the motions of `template`; stream k of `seed` makes campaign k.
-/// Every `resample_every`-th campaign is also resampled (0: none).
-///
-/// # Errors
-/// When the template cannot be predicted.
-pub fn coverage(
-    template: &Campaign,
-    truth: &Truth,
-    count: usize,
+/// Simulates and identifies campaigns one at a time on the motions of a template; stream k of the seed makes campaign
+/// k, so campaigns can be made in any order and at any time.
+pub struct Simulation<'a> {
+    template: &'a Campaign,
+    experiment: Experiment,
+    force_n: Vec<f64>,
+    truth: &'a Truth,
     seed: u64,
     resample_every: usize,
-) -> Result<Coverage, IdentificationError> {
-    let experiment = Experiment::new(template)?;
-    let force =
-        Model::new(truth.law, Vec::new(), &experiment)?.predict(&experiment, &truth.parameters);
-    let names: Vec<String> = truth
+}
+
+impl<'a> Simulation<'a> {
+    /// Every `resample_every`-th campaign is also resampled over runs (0: none).
+    ///
+    /// # Errors
+    /// When the template cannot be predicted.
+    pub fn new(
+        template: &'a Campaign,
+        truth: &'a Truth,
+        seed: u64,
+        resample_every: usize,
+    ) -> Result<Self, IdentificationError> {
+        let experiment = Experiment::new(template)?;
+        let force_n =
+            Model::new(truth.law, Vec::new(), &experiment)?.predict(&experiment, &truth.parameters);
+        Ok(Self {
+            template,
+            experiment,
+            force_n,
+            truth,
+            seed,
+            resample_every,
+        })
+    }
+
+    /// Campaign k, one entry a parameter of the law; `None` where the fit did not converge.
+    #[must_use]
+    pub fn campaign(&self, k: usize) -> Option<Vec<Simulated>> {
+        let mut generator = ChaCha8Rng::seed_from_u64(self.seed);
+        generator.set_stream(k as u64);
+        let simulated = with_fresh_noise(
+            self.template,
+            &self.experiment,
+            &self.force_n,
+            &self.truth.noise,
+            &mut generator,
+        );
+        let resample = self.resample_every > 0 && k.is_multiple_of(self.resample_every);
+        one_campaign(
+            &simulated,
+            self.truth,
+            resample.then_some(self.seed ^ k as u64),
+        )
+    }
+}
+
+/// Counts over campaigns.
+#[must_use]
+pub fn coverage(truth: &Truth, outcomes: &[Option<Vec<Simulated>>]) -> Coverage {
+    let parameters = truth
         .law
         .parameters()
         .iter()
-        .map(|s| s.name.to_string())
-        .collect();
-    let outcomes: Vec<Option<Vec<One>>> = (0..count)
-        .into_par_iter()
-        .map(|k| {
-            let mut generator = ChaCha8Rng::seed_from_u64(seed);
-            generator.set_stream(k as u64);
-            let simulated =
-                with_fresh_noise(template, &experiment, &force, &truth.noise, &mut generator);
-            let resample = resample_every > 0 && k % resample_every == 0;
-            one_campaign(
-                &simulated,
-                truth,
-                &names,
-                resample.then_some(seed ^ k as u64),
-            )
-        })
-        .collect();
-    let parameters = names
-        .iter()
         .enumerate()
-        .map(|(j, name)| {
-            let all: Vec<One> = outcomes.iter().flatten().map(|o| o[j]).collect();
-            summarise(name, truth.parameters[j], &all)
+        .map(|(j, spec)| {
+            let all: Vec<Simulated> = outcomes.iter().flatten().map(|o| o[j]).collect();
+            summarise(&spec.name, truth.parameters[j], &all)
         })
         .collect();
-    Ok(Coverage {
-        campaigns: count,
+    Coverage {
+        campaigns: outcomes.len(),
         converged: outcomes.iter().flatten().count(),
         resampled: outcomes
             .iter()
@@ -138,25 +169,23 @@ pub fn coverage(
             .filter(|o| o.iter().any(|one| one.bootstrap.is_some()))
             .count(),
         parameters,
-    })
+    }
 }
 
 /// `None` where the fit did not converge.
 fn one_campaign(
     simulated: &Campaign,
     truth: &Truth,
-    names: &[String],
     resample_seed: Option<u64>,
-) -> Option<Vec<One>> {
+) -> Option<Vec<Simulated>> {
     let mut question = Question::of(truth.law);
     question.test_fit = false;
-    question.near = Some(
-        names
-            .iter()
-            .cloned()
-            .zip(truth.parameters.iter().copied())
-            .collect(),
-    );
+    let names = truth
+        .law
+        .parameters()
+        .iter()
+        .map(|spec| spec.name.to_string());
+    question.near = Some(names.zip(truth.parameters.iter().copied()).collect());
     let found = identify(simulated, &question).ok()?;
     if !found.status.converged() {
         return None;
@@ -179,7 +208,7 @@ fn one_campaign(
                 let (low, high) = d.percentile_interval(column, LEVEL)?;
                 Some(low <= *truth && *truth <= high)
             });
-            Some(One {
+            Some(Simulated {
                 value: e.value,
                 sd: e.sd.unwrap_or(f64::NAN),
                 low: interval.low(),
@@ -193,14 +222,14 @@ fn one_campaign(
         .collect()
 }
 
-fn summarise(name: &str, truth: f64, all: &[One]) -> ParameterCoverage {
-    let count = |test: &dyn Fn(&One) -> bool| all.iter().filter(|o| test(o)).count();
-    let median = |of: &dyn Fn(&One) -> f64| {
+fn summarise(name: &str, truth: f64, all: &[Simulated]) -> ParameterCoverage {
+    let count = |test: &dyn Fn(&Simulated) -> bool| all.iter().filter(|o| test(o)).count();
+    let median = |of: &dyn Fn(&Simulated) -> f64| {
         let mut values: Vec<f64> = all.iter().map(of).filter(|v| !v.is_nan()).collect();
         values.sort_by(f64::total_cmp);
         values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
     };
-    let mean = |of: &dyn Fn(&One) -> f64| {
+    let mean = |of: &dyn Fn(&Simulated) -> f64| {
         let values: Vec<f64> = all.iter().map(of).filter(|v| v.is_finite()).collect();
         values.iter().sum::<f64>() / values.len().max(1) as f64
     };

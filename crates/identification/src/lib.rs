@@ -26,7 +26,7 @@ mod thinning;
 
 pub use band::{Band, prediction_band};
 pub use compare_laws::{LawFit, compare_laws};
-pub use coverage::{Coverage, ParameterCoverage, Truth, coverage};
+pub use coverage::{Coverage, ParameterCoverage, Simulated, Simulation, Truth, coverage};
 pub use degrees::Drivers;
 pub use features::{Features, features};
 pub use fit::{Weighting, Work};

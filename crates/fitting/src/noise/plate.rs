@@ -11,7 +11,7 @@
 //! precision root; seen through the filter along the run, a sample's dependence on the nodes forgets older nodes, so
 //! that its row is short and the nodes' information matrix is banded.
 
-use super::along::Along;
+use super::along::{Along, TOGETHER};
 use super::context::{Context, Sizes};
 
 /// Entries of a row below this (relative to one) are dropped.
@@ -157,13 +157,18 @@ impl Rows {
         &self.values[self.offset[i]..self.offset[i + 1]]
     }
 
-    /// A^T x for one whitened column.
-    pub(super) fn transpose_times(&self, column: &[f64], nodes: usize) -> Vec<f64> {
-        let mut out = vec![0.0; nodes];
-        for (i, &x) in column.iter().enumerate() {
-            let first = self.first[i];
-            for (o, &a) in out[first..].iter_mut().zip(self.row(i)) {
-                *o += a * x;
+    /// A^T x for up to [`TOGETHER`] whitened columns, node by node.
+    pub(super) fn transpose_times(&self, columns: &[&[f64]], nodes: usize) -> Vec<[f64; TOGETHER]> {
+        let mut out = vec![[0.0; TOGETHER]; nodes];
+        for i in 0..self.first.len() {
+            let mut x = [0.0; TOGETHER];
+            for (x, column) in x.iter_mut().zip(columns) {
+                *x = column[i];
+            }
+            for (o, &a) in out[self.first[i]..].iter_mut().zip(self.row(i)) {
+                for k in 0..TOGETHER {
+                    o[k] += a * x[k];
+                }
             }
         }
         out
@@ -234,15 +239,20 @@ impl Information {
         }
     }
 
-    /// L^-1 b.
-    pub(super) fn solve_lower(&self, b: &mut [f64]) {
+    /// L^-1 b for [`TOGETHER`] columns, node by node.
+    pub(super) fn solve_lower(&self, b: &mut [[f64; TOGETHER]]) {
         let stride = self.band + 1;
         for j in 0..self.nodes {
-            let x = b[j] / self.factor[j * stride];
-            b[j] = x;
+            let own = &self.factor[j * stride..(j + 1) * stride];
             let reach = self.band.min(self.nodes - 1 - j);
-            for d in 1..=reach {
-                b[j + d] -= self.factor[j * stride + d] * x;
+            let (head, rest) = b[j..].split_at_mut(1);
+            for x in &mut head[0] {
+                *x /= own[0];
+            }
+            for (b, &l) in rest[..reach].iter_mut().zip(&own[1..]) {
+                for k in 0..TOGETHER {
+                    b[k] -= l * head[0][k];
+                }
             }
         }
     }

@@ -11,7 +11,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use super::along::Along;
+use super::along::{Along, TOGETHER};
 use super::context::{Context, Sizes};
 use super::plate::{Grid, Information, Rows};
 use super::scatter::orthonormal_basis;
@@ -50,24 +50,27 @@ impl<'a> Criterion<'a> {
         let with_plate = sizes.plate > 0.0;
         let along = Along::new(self.context, sizes, grid.unresolved(sizes.length));
         let mut columns = self.columns.clone();
-        for mut column in columns.column_iter_mut() {
-            along.whiten(column.as_mut_slice());
-        }
+        let n = columns.nrows();
+        let mut parts: Vec<&mut [f64]> = columns.as_mut_slice().chunks_mut(n).collect();
+        along.whiten(&mut parts);
         let mut gram = gram(&columns);
         let mut log_det = along.log_det;
         if with_plate {
             let rows = Rows::new(self.context, sizes, &grid, &along);
             let information = Information::new(&rows, &grid, sizes);
             log_det += information.log_det;
-            let seen: Vec<DVector<f64>> = columns
-                .column_iter()
-                .map(|column| {
-                    let mut b = rows.transpose_times(column.as_slice(), grid.nodes);
-                    information.solve_lower(&mut b);
-                    DVector::from_vec(b)
-                })
-                .collect();
-            gram -= super::restricted::gram(&DMatrix::from_columns(&seen));
+            let mut seen = DMatrix::zeros(grid.nodes, columns.ncols());
+            let parts: Vec<&[f64]> = columns.as_slice().chunks(n).collect();
+            for (c, block) in parts.chunks(TOGETHER).enumerate() {
+                let mut b = rows.transpose_times(block, grid.nodes);
+                information.solve_lower(&mut b);
+                for k in 0..block.len() {
+                    for (slot, b) in seen.column_mut(c * TOGETHER + k).iter_mut().zip(&b) {
+                        *slot = b[k];
+                    }
+                }
+            }
+            gram -= super::restricted::gram(&seen);
         }
         let p = gram.nrows() - 1;
         let Some(factor) = Cholesky::new(gram.view((0, 0), (p, p)).into_owned()) else {

@@ -6,13 +6,12 @@
 //! numbers so left are the whitened residual, W^T W = (I + A Q A^T)^-1. The rotations do not depend on the data: they
 //! are kept and applied to any column.
 
+use super::along::TOGETHER;
 use super::context::Sizes;
 use super::plate::{Grid, Rows};
 
 /// Remaining entries of a row below this, relative to the triangle's diagonal, end its sweep.
 const NEGLIGIBLE: f64 = 1e-5;
-/// Columns that are swept together.
-const TOGETHER: usize = 8;
 
 /// The stored rotations of all rows.
 pub(super) struct Rotations {

@@ -131,9 +131,7 @@ impl Whitener {
     }
 
     fn sweep(&self, columns: &mut [&mut [f64]]) {
-        for column in columns.iter_mut() {
-            self.along.whiten(column);
-        }
+        self.along.whiten(columns);
         if let Some(rotations) = &self.rotations {
             rotations.whiten(columns);
         }
