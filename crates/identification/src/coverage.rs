@@ -10,6 +10,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rig::{Experiment, Model};
 
+use crate::band::prediction_band;
 use crate::identify::identify;
 use crate::intervals::LEVEL;
 use crate::question::{IdentificationError, Question};
@@ -129,15 +130,7 @@ impl<'a> Simulation<'a> {
     /// Campaign k, one entry a parameter of the law; `None` where the fit did not converge.
     #[must_use]
     pub fn campaign(&self, k: usize) -> Option<Vec<Simulated>> {
-        let mut generator = ChaCha8Rng::seed_from_u64(self.seed);
-        generator.set_stream(k as u64);
-        let simulated = with_fresh_noise(
-            self.template,
-            &self.experiment,
-            &self.force_n,
-            &self.truth.noise,
-            &mut generator,
-        );
+        let simulated = self.drawn(k as u64);
         let resample = self.resample_every > 0 && k.is_multiple_of(self.resample_every);
         one_campaign(
             &simulated,
@@ -145,7 +138,37 @@ impl<'a> Simulation<'a> {
             resample.then_some(self.seed ^ k as u64),
         )
     }
+
+    /// Share of the samples of another campaign of the same truth that lie in the band predicted from campaign k; `None`
+    /// where the fit did not converge.
+    #[must_use]
+    pub fn share_in_band(&self, k: usize) -> Option<f64> {
+        let question = near_the(self.truth).values_only();
+        let found = identify(&self.drawn(k as u64), &question).ok()?;
+        if !found.status.converged() {
+            return None;
+        }
+        let other = Experiment::new(&self.drawn(PREDICTED + k as u64)).ok()?;
+        let model = Model::new(self.truth.law, Vec::new(), &other).ok()?;
+        let band = prediction_band(&other, &model, &found.parameters, &found.spread()?);
+        Some(band.share_inside(&other))
+    }
+
+    fn drawn(&self, stream: u64) -> Campaign {
+        let mut generator = ChaCha8Rng::seed_from_u64(self.seed);
+        generator.set_stream(stream);
+        with_fresh_noise(
+            self.template,
+            &self.experiment,
+            &self.force_n,
+            &self.truth.noise,
+            &mut generator,
+        )
+    }
 }
+
+/// Streams from here on belong to campaigns that are predicted.
+const PREDICTED: u64 = 1 << 32;
 
 /// Counts over campaigns.
 #[must_use]
@@ -172,20 +195,25 @@ pub fn coverage(truth: &Truth, outcomes: &[Option<Vec<Simulated>>]) -> Coverage 
     }
 }
 
+fn near_the(truth: &Truth) -> Question {
+    let names = truth
+        .law
+        .parameters()
+        .iter()
+        .map(|spec| spec.name.to_string());
+    let mut question = Question::of(truth.law);
+    question.near = Some(names.zip(truth.parameters.iter().copied()).collect());
+    question
+}
+
 /// `None` where the fit did not converge.
 fn one_campaign(
     simulated: &Campaign,
     truth: &Truth,
     resample_seed: Option<u64>,
 ) -> Option<Vec<Simulated>> {
-    let mut question = Question::of(truth.law);
+    let mut question = near_the(truth);
     question.test_fit = false;
-    let names = truth
-        .law
-        .parameters()
-        .iter()
-        .map(|spec| spec.name.to_string());
-    question.near = Some(names.zip(truth.parameters.iter().copied()).collect());
     let found = identify(simulated, &question).ok()?;
     if !found.status.converged() {
         return None;

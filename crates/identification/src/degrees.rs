@@ -17,7 +17,7 @@
 use fitting::criteria::t_quantile;
 use fitting::noise::{Context, NoiseModel, Whitener};
 use nalgebra::{DMatrix, DVector};
-use statrs::distribution::{ContinuousCDF, Normal};
+use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 
 use crate::intervals::LEVEL;
 
@@ -32,15 +32,23 @@ pub struct Drivers {
     pub degrees: f64,
 }
 
-/// Drivers and standard deviations (bounds left aside) of the movable columns of `whitened` (samples x parameters), in the
-/// order of `movable`; `None` where the data leave a direction open.
+/// Of the movable columns, in their order.
+pub(crate) struct Driven {
+    /// Drivers and standard deviations, bounds left aside.
+    pub(crate) each: Vec<(Drivers, f64)>,
+    /// m_k of every run: change of the parameters (rows) a relative gain of run k.
+    pub(crate) moved: DMatrix<f64>,
+}
+
+/// What drives the movable columns of `whitened` (samples x parameters), in the order of `movable`; `None` where the data
+/// leave a direction open.
 pub(crate) fn drivers(
     context: &Context,
     whitener: &Whitener,
     noise: &NoiseModel,
     whitened: &DMatrix<f64>,
     movable: &[usize],
-) -> Option<Vec<(Drivers, f64)>> {
+) -> Option<Driven> {
     let jacobian = whitened.select_columns(movable);
     let covariance = fitting::covariance_of(&jacobian)?;
     let mut gains = DMatrix::zeros(context.samples(), context.runs.len());
@@ -51,7 +59,7 @@ pub(crate) fn drivers(
     }
     let moved = &covariance * jacobian.tr_mul(&whitener.whiten_columns(&gains));
     let scatters = noise.scatter.posterior();
-    let drivers = (0..movable.len())
+    let each = (0..movable.len())
         .map(|j| {
             let total = covariance[(j, j)];
             let by_gain = moved.row(j).norm_squared();
@@ -71,7 +79,7 @@ pub(crate) fn drivers(
             (driver, sd)
         })
         .collect();
-    Some(drivers)
+    Some(Driven { each, moved })
 }
 
 /// The same for a law that misses the record: its residual is structure, not noise, and counts for as many independent
@@ -82,7 +90,7 @@ pub(crate) fn plain_drivers(
     residual: &DVector<f64>,
     whitened: &DMatrix<f64>,
     movable: &[usize],
-) -> Option<Vec<(Drivers, f64)>> {
+) -> Option<Driven> {
     let covariance = fitting::covariance_of(&whitened.select_columns(movable))?;
     let degrees = (context.runs.len() as f64 - 1.0).max(1.0);
     let quantile = t_quantile(LEVEL, degrees) * correlation_time(context, residual).sqrt();
@@ -91,11 +99,13 @@ pub(crate) fn plain_drivers(
         quantile,
         degrees,
     };
-    Some(
-        (0..movable.len())
-            .map(|j| (driver, covariance[(j, j)].sqrt()))
-            .collect(),
-    )
+    let each = (0..movable.len())
+        .map(|j| (driver, covariance[(j, j)].sqrt()))
+        .collect();
+    Some(Driven {
+        each,
+        moved: DMatrix::zeros(movable.len(), 0),
+    })
 }
 
 /// 1 + 2 sum of the autocorrelations of a residual within runs, up to the first that is not positive, in samples.
@@ -119,27 +129,26 @@ fn correlation_time(context: &Context, residual: &DVector<f64>) -> f64 {
 }
 
 /// q with P(|error| <= q) = 95 % for a mixture of normals given as (weight, standard deviation).
-fn half_width(parts: &[(f64, f64)]) -> f64 {
+///
+/// P(|error| > q) falls and is convex for q > 0, so that Newton's steps from the left of the root stay on the left.
+pub(crate) fn half_width(parts: &[(f64, f64)]) -> f64 {
     let normal = Normal::standard();
     let total: f64 = parts.iter().map(|p| p.0).sum();
-    let outside = |q: f64| {
-        parts
-            .iter()
-            .map(|(w, sd)| 2.0 * w * normal.cdf(-q / sd))
-            .sum::<f64>()
-            / total
-    };
-    let widest = parts.iter().map(|p| p.1).fold(0.0, f64::max);
-    let (mut low, mut high) = (0.0, 5.0 * widest);
-    for _ in 0..80 {
-        let middle = 0.5 * (low + high);
-        if outside(middle) > 1.0 - LEVEL {
-            low = middle;
-        } else {
-            high = middle;
+    let narrowest = parts.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
+    let mut q = normal.inverse_cdf(0.5 * (1.0 + LEVEL)) * narrowest;
+    for _ in 0..100 {
+        let (mut outside, mut slope) = (0.0, 0.0);
+        for (w, sd) in parts.iter().filter(|p| p.1 > 0.0) {
+            outside += 2.0 * w / total * normal.cdf(-q / sd);
+            slope += 2.0 * w / total * normal.pdf(q / sd) / sd;
         }
+        let step = (outside - (1.0 - LEVEL)) / slope;
+        if step.is_nan() || step <= 1e-12 * q {
+            break;
+        }
+        q += step;
     }
-    0.5 * (low + high)
+    q
 }
 
 /// Degrees of freedom at which Student's t has this two-sided 95 % quantile (1 at least, infinite at the normal one).

@@ -8,6 +8,7 @@ use friction::{CosinePlacement, LawKind, ParameterSpec};
 use nalgebra::DMatrix;
 use rig::{Experiment, Model};
 
+use crate::band::Spread;
 use crate::degrees::{Drivers, drivers, plain_drivers};
 use crate::features::{Features, features};
 use crate::fit::{Fitted, Task, Weighting, Work};
@@ -57,6 +58,9 @@ pub struct Identification {
     pub parameters: Vec<f64>,
     /// Covariance of all parameters (zero for held ones and on bounds); `None` where the data leave a direction open.
     pub covariance: Option<DMatrix<f64>>,
+    /// Change of the parameters of law and effects (rows) a relative gain of each run (columns); no columns where the
+    /// record is missed by more than its noise or leaves a direction open.
+    pub moved_by_gains: DMatrix<f64>,
     /// How the fit ended.
     pub status: Status,
     /// Noise.
@@ -92,6 +96,19 @@ impl Identification {
     /// Value of the parameter of that name.
     pub fn value(&self, name: &str) -> Option<f64> {
         self.estimate(name).map(|e| e.value)
+    }
+
+    /// What a prediction with the law's parameters needs to know of their uncertainty and of the noise; `None` where the
+    /// data leave a direction open.
+    pub fn spread(&self) -> Option<Spread> {
+        let count = self.law.parameters().len();
+        let covariance = self.covariance.as_ref()?;
+        Some(Spread {
+            covariance: covariance.view((0, 0), (count, count)).into_owned(),
+            moved_by_gains: self.moved_by_gains.rows(0, count).into_owned(),
+            sizes: self.noise.sizes,
+            scatters: self.noise.scatter.posterior(),
+        })
     }
 
     /// Names of parameters on a bound.
@@ -322,7 +339,7 @@ fn report(
     // Of parameter j: its drivers, and the step with which its profile begins where the fit gives none.
     let driver_of = |j: usize| {
         let k = movable.iter().position(|&m| m == j)?;
-        driven.as_ref().map(|all| all[k])
+        driven.as_ref().map(|all| all.each[k])
     };
     let profile_options: Vec<(f64, f64)> = (0..specs.len())
         .map(|j| match driver_of(j) {
@@ -330,6 +347,13 @@ fn report(
             None => (t_quantile(LEVEL, f64::INFINITY), 0.1 * specs[j].typical),
         })
         .collect();
+    let runs = driven.as_ref().map_or(0, |all| all.moved.ncols());
+    let mut moved_by_gains = DMatrix::zeros(named, runs);
+    if let Some(all) = &driven {
+        for (k, &j) in movable.iter().enumerate().filter(|(_, j)| **j < named) {
+            moved_by_gains.set_row(j, &all.moved.row(k));
+        }
+    }
     let analysed: Vec<usize> = movable.iter().copied().filter(|&j| j < named).collect();
     let found = analyse(
         &whitened,
@@ -408,6 +432,7 @@ fn report(
         estimates,
         parameters: fitted.fit.parameters,
         covariance: fitted.fit.covariance,
+        moved_by_gains,
         status: fitted.fit.status,
         noise: fitted.noise,
         identifiability: found,

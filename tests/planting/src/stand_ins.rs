@@ -88,7 +88,11 @@ impl Recipe {
         Ok(Self { choices, published })
     }
 
-    fn law(&self, material: &str, theta0_rad: f64) -> Result<Law, Failure> {
+    /// The law on a counterface, with a lean.
+    ///
+    /// # Errors
+    /// If a number is not published.
+    pub fn law(&self, material: &str, theta0_rad: f64) -> Result<Law, Failure> {
         let row = |name: &str| self.published.number(&format!("table2.{material}.{name}"));
         Ok(Law::AsymmetricBristle(Bristle {
             sigma: row("sigma")?,
@@ -157,7 +161,11 @@ impl Recipe {
         })
     }
 
-    fn noise(&self) -> Result<Noise, Failure> {
+    /// The imperfections of the rig.
+    ///
+    /// # Errors
+    /// If a number is not published.
+    pub fn noise(&self) -> Result<Noise, Failure> {
         Ok(Noise {
             roughness: self.choices.noise.roughness_percent / 100.0,
             correlation_m: self.choices.noise.correlation_mm * 1e-3,

@@ -4,11 +4,8 @@
 //! is set beside what the 3x3 repeats scatter among themselves. What the model itself asks for is tried as well: with
 //! sigma0 = k/(N h), and k by the number of brushes, another brush and load mean another sigma0 (C16).
 
-use fitting::criteria::t_quantile;
-use fitting::noise::Sizes;
 use friction::LawKind;
-use identification::{Band, LEVEL, Question, identify, prediction_band, repeat_floor};
-use nalgebra::DMatrix;
+use identification::{Band, Question, Spread, identify, prediction_band, repeat_floor};
 use report::figure::{self, Axis, Figure, LinePlot, Provenance};
 use report::{Block, Cell, Column, Evidence, NoticeKind, Section, Table, Value};
 use rig::{Experiment, Model, ModelFile};
@@ -17,6 +14,7 @@ use super::friction_curves::{
     DIRECTIONS, coefficient_against_speed, relative_error, runs_in, speed_series,
 };
 use super::identification::failed;
+use super::identification::spread::Kept;
 use crate::stage::{Needs, Stage, StageContext, StageError, StageOutput};
 
 /// The stage.
@@ -25,49 +23,28 @@ pub(super) struct Validation;
 const CAMPAIGN: &str = "brush-3x3-aluminium";
 const STEM: &str = "validation.brush-3x3";
 
-/// The 2x2 brush as identified: law, parameters, covariance, noise.
+/// The 2x2 brush as identified: law, parameters, and how uncertain they are where the data bound them.
 struct Source {
     parameters: Vec<f64>,
-    covariance: DMatrix<f64>,
-    sizes: Sizes,
+    spread: Option<Spread>,
 }
 
 fn source(context: &StageContext<'_>) -> Result<Source, StageError> {
     let earlier = context.earlier("identification")?;
-    let artefact = |name: &str| {
-        earlier
-            .artefacts
-            .get(name)
-            .ok_or_else(|| StageError::Failed(format!("identification left no {name}")))
-    };
-    let file: ModelFile =
-        serde_json::from_value(artefact("model.aluminium")?.clone()).map_err(failed)?;
-    let noise = artefact("noise.aluminium")?;
-    let size = |name: &str| {
-        noise
-            .get(name)
-            .and_then(serde_json::Value::as_f64)
-            .ok_or_else(|| StageError::Failed(format!("identification left no noise {name}")))
-    };
-    let parameters = file.law_values().map_err(StageError::Failed)?;
-    let n = parameters.len();
-    let covariance = file
-        .law_covariance()
-        .map_err(StageError::Failed)?
-        .map_or_else(
-            || DMatrix::zeros(n, n),
-            |rows| DMatrix::from_fn(n, n, |i, j| rows[i][j]),
-        );
+    let file = earlier
+        .artefacts
+        .get("model.aluminium")
+        .ok_or_else(|| StageError::Failed("identification left no model.aluminium".into()))?;
+    let file: ModelFile = serde_json::from_value(file.clone()).map_err(failed)?;
+    let spread = earlier
+        .artefacts
+        .get("spread.aluminium")
+        .map(|kept| serde_json::from_value::<Kept>(kept.clone()))
+        .transpose()
+        .map_err(failed)?;
     Ok(Source {
-        parameters,
-        covariance,
-        sizes: Sizes {
-            sensor: size("sensor")?,
-            private: size("private")?,
-            plate: size("plate")?,
-            length: size("length")?,
-            scatter: size("scatter")?,
-        },
+        parameters: file.law_values().map_err(StageError::Failed)?,
+        spread: spread.map(Spread::from),
     })
 }
 
@@ -95,14 +72,11 @@ impl Stage for Validation {
         let source = source(context)?;
         let model =
             Model::new(LawKind::AsymmetricBristle, Vec::new(), &experiment).map_err(failed)?;
-        let band = prediction_band(
-            &experiment,
-            &model,
-            &source.parameters,
-            &source.covariance,
-            &source.sizes,
-        );
-        let quantile = t_quantile(LEVEL, (campaign.runs.len().max(3) - 2) as f64);
+        let force_n = model.predict(&experiment, &source.parameters);
+        let band = source
+            .spread
+            .as_ref()
+            .map(|spread| prediction_band(&experiment, &model, &source.parameters, spread));
 
         let mut output = StageOutput::done();
         let mut add = |part: &str, number: f64, unit: &str| {
@@ -112,16 +86,17 @@ impl Stage for Validation {
                 .push(Value::new(id, number, unit, "validation", evidence));
         };
         for (direction, word, _) in DIRECTIONS {
-            let error = relative_error(&campaign, &experiment, &band.force_n, direction);
+            let error = relative_error(&campaign, &experiment, &force_n, direction);
             add(&format!("nrmse_{word}"), error.unwrap_or(f64::NAN), "1");
         }
-        add("rmse", rmse(&experiment, &band.force_n), "1");
+        add("rmse", rmse(&experiment, &force_n), "1");
         add(
             "floor_rmse",
             repeat_floor(&campaign).unwrap_or(f64::NAN),
             "1",
         );
-        add("inside_band", inside(&experiment, &band, quantile), "1");
+        let inside = band.as_ref().map(|band| band.share_inside(&experiment));
+        add("inside_band", inside.unwrap_or(f64::NAN), "1");
 
         let hypotheses = hypotheses(context, &experiment, &model, &source)?;
         for one in &hypotheses {
@@ -143,8 +118,8 @@ impl Stage for Validation {
         output.sections = vec![section(
             &campaign,
             &experiment,
-            &band,
-            quantile,
+            &force_n,
+            band.as_ref(),
             &hypotheses,
             evidence,
         )];
@@ -163,14 +138,6 @@ fn rmse(experiment: &Experiment, force_n: &[f64]) -> f64 {
         }
     }
     (sum / count.max(1) as f64).sqrt()
-}
-
-/// Share of samples inside the band.
-fn inside(experiment: &Experiment, band: &Band, quantile: f64) -> f64 {
-    let hits = (0..band.force_n.len())
-        .filter(|&i| (experiment.measured_n[i] - band.force_n[i]).abs() <= quantile * band.sd_n[i])
-        .count();
-    hits as f64 / band.force_n.len() as f64
 }
 
 /// A reading of what happens to sigma0 when the brush changes.
@@ -255,8 +222,8 @@ fn ask_for_stiffness(
 fn section(
     campaign: &campaign::Campaign,
     experiment: &Experiment,
-    band: &Band,
-    quantile: f64,
+    force_n: &[f64],
+    band: Option<&Band>,
     hypotheses: &[Hypothesis],
     evidence: Evidence,
 ) -> Section {
@@ -268,7 +235,7 @@ fn section(
             "The 3x3 records are made from Table 1 as well, with another load, seed and scatter: the prediction must succeed. What is shown is how a reader's own records would be judged.",
         ));
     }
-    blocks.push(figure(campaign, experiment, band, quantile, evidence).into());
+    blocks.push(figure(campaign, experiment, force_n, band, evidence).into());
     blocks.push(Block::prose(format!(
         "Error over the mean coefficient: {{{{ v(\"{STEM}.nrmse_forward\") }}}} forward, {{{{ v(\"{STEM}.nrmse_reverse\") }}}} in reverse. In the coefficient it is {{{{ v(\"{STEM}.rmse\") }}}}, beside {{{{ v(\"{STEM}.floor_rmse\") }}}} by which the repeats scatter among themselves; {{{{ n(\"{STEM}.inside_band\") }}}} of all samples lie inside the band."
     )));
@@ -282,7 +249,7 @@ fn section(
         id: "validation".into(),
         title: "Validation: the 3x3 brush, predicted".into(),
         lead: format!("With the parameters of the 2x2 brush and nothing refitted, the 3x3 brush is predicted to {{{{ v(\"{STEM}.nrmse_forward\") }}}} forward and {{{{ v(\"{STEM}.nrmse_reverse\") }}}} in reverse of its mean coefficient.").into(),
-        method: Some("The motions of the 3x3 runs, the parameters and their covariance from the 2x2 campaign, the loads as recorded. The band holds 95 % of the samples of a new run: uncertainty of the parameters, scatter between runs, roughness and sensor noise as the 2x2 campaign gave them, at the t quantile of its six runs.".into()),
+        method: Some("The motions of the 3x3 runs, the parameters and their covariance from the 2x2 campaign, the loads as recorded. The band holds 95 % of the samples of new runs, as a mean over campaigns: uncertainty of the parameters, roughness and sensor noise as the 2x2 campaign gave them, and the scatter between runs over all that its six runs leave possible. The gains of a few runs move all their samples together, so that one campaign may lie inside as a whole.".into()),
         status: None,
         claims: ["C03", "C16", "C20"].map(String::from).to_vec(),
         blocks,
@@ -292,24 +259,24 @@ fn section(
 fn figure(
     campaign: &campaign::Campaign,
     experiment: &Experiment,
-    band: &Band,
-    quantile: f64,
+    force_n: &[f64],
+    band: Option<&Band>,
     evidence: Evidence,
 ) -> Figure {
     let mut plot = LinePlot::new(
         Axis::new("speed", "mm/s"),
         Axis::new("coefficient of friction", "1"),
-        speed_series(campaign, experiment, &band.force_n),
+        speed_series(campaign, experiment, force_n),
     );
     for (direction, word, ink) in DIRECTIONS {
-        let Some(&run) = runs_in(campaign, direction).first() else {
+        let (Some(&run), Some(band)) = (runs_in(campaign, direction).first(), band) else {
             continue;
         };
         let wide = |sign: f64| -> Vec<f64> {
             band.force_n
                 .iter()
-                .zip(&band.sd_n)
-                .map(|(f, sd)| f + sign * quantile * sd * f.signum())
+                .zip(&band.half_width_n)
+                .map(|(f, half)| f + sign * half * f.signum())
                 .collect()
         };
         let low = coefficient_against_speed(experiment, run, Some(&wide(-1.0)));

@@ -2,6 +2,7 @@
 
 mod cord;
 pub(super) mod figures;
+pub(crate) mod spread;
 mod tables;
 mod values;
 
@@ -178,16 +179,13 @@ impl Stage for Identification {
             output
                 .artefacts
                 .insert(format!("model.{}", one.material), model);
-            let noise = serde_json::json!({
-                "sensor": one.found.noise.sizes.sensor,
-                "private": one.found.noise.sizes.private,
-                "plate": one.found.noise.sizes.plate,
-                "length": one.found.noise.sizes.length,
-                "scatter": one.found.noise.sizes.scatter,
-            });
-            output
-                .artefacts
-                .insert(format!("noise.{}", one.material), noise);
+            if let Some(spread) = one.found.spread() {
+                let kept = spread::Kept::from(&spread);
+                output.artefacts.insert(
+                    format!("spread.{}", one.material),
+                    serde_json::to_value(kept).map_err(failed)?,
+                );
+            }
         }
         output.sections = vec![section(&materials, &laws, &leans, &paper, &sweep)];
         Ok(output)
@@ -288,7 +286,7 @@ fn section(
     }
 }
 
-const METHOD: &str = "Bounded Levenberg-Marquardt on exact derivatives, from starts that are read off the record (plateaus, the stretch before sliding), never from printed values. Residuals are whitened with a noise that is estimated from the same record by restricted likelihood: sensor noise, friction roughness correlated in sliding distance, a part of it fixed to the plate, and a gain that differs from run to run. Intervals are profile likelihoods at the t quantile of the noise that drives each parameter: few degrees of freedom for what hangs on the gains of six runs, many for what hangs on the shape within a run (Satterthwaite).";
+const METHOD: &str = "Bounded Levenberg-Marquardt on exact derivatives, from starts that are read off the record (plateaus, the stretch before sliding), never from printed values. Residuals are whitened with a noise that is estimated from the same record by restricted likelihood: sensor noise, friction roughness correlated in sliding distance, a part of it fixed to the plate, and a gain that differs from run to run. Intervals are profile likelihoods at the quantile of the noise that drives each parameter: wide for what hangs on the gains of six runs, near the normal one for what hangs on the shape within a run (a mixture of normals over the posterior of the scatter, Behrens-Fisher).";
 
 const FIT_WORDS: &str = "Residual in all runs: {{ v(\"identification.aluminium.rmse\") }} of the coefficient; the repeats scatter by {{ v(\"identification.aluminium.floor_rmse\") }} among themselves. A test for smooth structure that all runs share gives p = {{ n(\"identification.aluminium.lack_of_fit_p\") }}: below 0.01 the law would be found wanting. On a run left out of the fit the error is {{ v(\"identification.laws.asymmetric-bristle.held_out_rmse\") }}.";
 
