@@ -45,8 +45,7 @@ pub fn open(path: &Path) -> Result<Campaign, Refusal> {
     }
     let file = folder.join(DESCRIPTION).display().to_string();
     let text = read(&folder.join(DESCRIPTION), &file, LARGEST_DESCRIPTION_MIB)?;
-    let json = serde_json::from_slice(&text)
-        .map_err(|error| Refusal::of(&file, Problem::Json(quoted(&error.to_string(), 200))))?;
+    let json = crate::json::parse(&file, &text)?;
     let description = describe(&file, &json)?;
     let mut hashes = vec![(
         DESCRIPTION.to_owned(),

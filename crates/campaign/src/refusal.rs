@@ -37,6 +37,9 @@ pub enum Problem {
     /// Not JSON.
     #[error("is not JSON: {0}")]
     Json(String),
+    /// An object has a key twice: key and place.
+    #[error("the key {0}")]
+    DoubledKey(String),
     /// A required entry is not there.
     #[error("is missing")]
     Missing,

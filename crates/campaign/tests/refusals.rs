@@ -433,6 +433,27 @@ fn files_of_the_package() {
     assert!(shown(folder.path()).contains("is not JSON: recursion limit exceeded"));
 }
 
+/// Which of two values under one key is meant, nobody can tell: not even deep inside metadata that is not read.
+#[test]
+fn a_key_that_stands_twice_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for (text, what) in [
+        (
+            "{\"name\": \"a\",\n \"name\": \"b\"}",
+            "the key `name` stands twice at line 2 column 7",
+        ),
+        (
+            "{\"more\": [{\"x\": 1, \"y\": null, \"x\": 1}]}",
+            "the key `x` stands twice at line 1 column 33",
+        ),
+    ] {
+        std::fs::write(folder.path().join("datapackage.json"), text).unwrap();
+        let home = folder.path().display();
+        let refusal = campaign::open(folder.path()).unwrap_err().to_string();
+        assert_eq!(refusal, format!("{home}/datapackage.json: {what}"));
+    }
+}
+
 #[test]
 fn a_description_that_is_too_large_is_refused_before_it_is_parsed() {
     let folder = TempDir::new().unwrap();

@@ -145,7 +145,7 @@ impl<'a> Series<'a> {
             .map(|k| self.simulation.campaign(k))
             .collect();
         self.done.extend(fresh);
-        let text: String = self.done.iter().map(|outcome| line(outcome)).collect();
+        let text: String = self.done.iter().map(line).collect();
         campaign::write_atomically(&self.path, text.as_bytes())
             .map_err(|error| Failure::Output(format!("{}: {error}", self.path.display())))
     }

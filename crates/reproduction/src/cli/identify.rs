@@ -94,6 +94,7 @@ fn word(campaign: &Campaign, found: &Identification, laws: &[LawFit]) -> Vec<Str
     if !bound.is_empty() {
         word.push(format!("On a bound: {}.", bound.join(", ")));
     }
+    word.extend(levels_beyond_the_record(campaign, found));
     if found.better_found {
         word.push(
             "A profile met a better point than the fit: the answer is not the minimum.".to_owned(),
@@ -110,6 +111,41 @@ fn word(campaign: &Campaign, found: &Identification, laws: &[LawFit]) -> Vec<Str
         format!("Laws that fit better (AICc): {}.", better.join(", "))
     });
     word
+}
+
+/// Levels of friction that the record never reaches: there the fit bends its curve with them, and they are no friction
+/// that was measured.
+fn levels_beyond_the_record(campaign: &Campaign, found: &Identification) -> Vec<String> {
+    /// A level this many times the largest recorded friction is no reading of it.
+    const BEYOND: f64 = 1.5;
+    let largest = campaign
+        .runs
+        .iter()
+        .flat_map(|run| {
+            let load = |i: usize| match (&run.normal_force_n, run.normal_load_n) {
+                (Some(column), _) => column[i],
+                (None, Some(load)) => load,
+                (None, None) => 1.0,
+            };
+            run.force_n
+                .iter()
+                .enumerate()
+                .filter(move |(i, _)| load(*i) > 0.0)
+                .map(move |(i, force)| (force / load(i)).abs())
+        })
+        .fold(0.0, f64::max);
+    found
+        .estimates
+        .iter()
+        .filter(|e| ["mu_c", "mu_s"].contains(&e.name.as_str()) && e.value > BEYOND * largest)
+        .map(|e| {
+            format!(
+                "{} is {} times the largest recorded friction: the fit bends its curve with it where the record is not sliding; it is no level that was measured.",
+                e.name,
+                significant(e.value / largest)
+            )
+        })
+        .collect()
 }
 
 /// Laws that were fitted, best first, with AICc less that of the best.
