@@ -260,3 +260,13 @@ fn renaming_and_permuting_change_no_answer() {
         assert_eq!(nameless(&plain), nameless(&other));
     }
 }
+
+/// The report marks counts of another diagnosis as stale by the fingerprint that the benchmark writes.
+#[test]
+fn report_and_benchmark_know_the_diagnosis_by_one_fingerprint() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    assert_eq!(
+        reproduction::compose::diagnosis_fingerprint(&root),
+        whole_program::identity::of_diagnosis()
+    );
+}

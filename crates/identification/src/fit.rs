@@ -77,6 +77,8 @@ pub(crate) struct Task<'a> {
     pub(crate) noise_options: EstimateOptions,
     /// Sizes that are held instead of estimated.
     pub(crate) noise: Option<Sizes>,
+    /// All samples weigh alike, whatever the noise.
+    pub(crate) plain: bool,
     /// Scatter within repeats, in the unit of y.
     pub(crate) floor: Option<f64>,
 }
@@ -126,7 +128,7 @@ impl Task<'_> {
         let missed = self
             .floor
             .is_some_and(|floor| crate::quality::sizes(self.experiment, &forces).0 > GROSS * floor);
-        if missed && self.noise.is_none() {
+        if self.plain || (missed && self.noise.is_none()) {
             return self.finish(plain, Weighting::Plain, None, work);
         }
         let mut best = plain.clone();

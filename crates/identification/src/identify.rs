@@ -4,7 +4,7 @@ use campaign::Campaign;
 use fitting::criteria::{aicc, t_quantile};
 use fitting::noise::{EstimateOptions, NoiseModel};
 use fitting::{Bounds, Identifiability, Residuals, Side, Status, Verdict, identifiability};
-use friction::{CosinePlacement, LawKind, ParameterSpec};
+use friction::{LawKind, ParameterSpec};
 use nalgebra::DMatrix;
 use rig::{Experiment, Model};
 
@@ -253,9 +253,10 @@ pub fn identify_prepared(
         bounds: &bounds,
         noise_options: noise_options(campaign),
         noise: question.noise,
+        plain: question.plain,
         floor: repeat_floor(campaign),
     };
-    let first = rough_part(campaign, &model, question.placement)?;
+    let first = rough_part(campaign, &model, question)?;
     let fitted = task.run(&starts, first.as_ref().map(|(e, m)| (e, m)))?;
     Ok(report(
         campaign, experiment, question, &model, &bounds, fitted,
@@ -270,7 +271,7 @@ const ROUGH_SAMPLES: usize = 4000;
 fn rough_part(
     campaign: &Campaign,
     model: &Model,
-    placement: CosinePlacement,
+    question: &Question,
 ) -> Result<Option<(Experiment, Model)>, IdentificationError> {
     let mut part = campaign.clone();
     if model.initial_states().is_empty() {
@@ -284,8 +285,7 @@ fn rough_part(
         return Ok(None);
     }
     let experiment = Experiment::new(&part)?;
-    let model =
-        Model::new(model.law, model.effects().to_vec(), &experiment)?.with_placement(placement);
+    let model = question.model(&experiment)?;
     Ok(Some((experiment, model)))
 }
 

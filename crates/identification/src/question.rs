@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use friction::{CosinePlacement, LawKind};
+use friction::{CosinePlacement, Exponent, LawKind};
 use rig::{Cause, Experiment, Model};
 
 /// A model to identify and how far to go.
@@ -14,6 +14,10 @@ pub struct Question {
     pub effects: Vec<Box<dyn Cause>>,
     /// Place of the cosine factor of the bristle laws.
     pub placement: CosinePlacement,
+    /// Exponent of the Stribeck curve where it is not the law's own.
+    pub exponent: Option<Exponent<f64>>,
+    /// All samples weigh alike, whatever the noise.
+    pub plain: bool,
     /// Parameters that are held, by name.
     pub fixed: BTreeMap<String, f64>,
     /// Whether profile intervals are wanted.
@@ -33,6 +37,8 @@ impl Question {
             law,
             effects: Vec::new(),
             placement: CosinePlacement::AllTerms,
+            exponent: None,
+            plain: false,
             fixed: BTreeMap::new(),
             intervals: true,
             test_fit: true,
@@ -49,7 +55,12 @@ impl Question {
     }
 
     pub(crate) fn model(&self, experiment: &Experiment) -> Result<Model, rig::ModelError> {
-        Ok(Model::new(self.law, self.effects.clone(), experiment)?.with_placement(self.placement))
+        let model =
+            Model::new(self.law, self.effects.clone(), experiment)?.with_placement(self.placement);
+        Ok(match self.exponent {
+            Some(exponent) => model.with_exponent(exponent),
+            None => model,
+        })
     }
 
     /// The same with a parameter held.

@@ -17,6 +17,7 @@ mod diagnosis_page;
 pub mod engine;
 pub mod judge;
 pub mod judgements;
+pub mod multiverse;
 pub mod names;
 pub mod provenance;
 pub mod published;

@@ -37,6 +37,29 @@ fn git(root: &Path, arguments: &[&str]) -> Option<String> {
     output.status.success().then(|| text.trim().to_owned())
 }
 
+/// Public address of the repository, to which lines of code can be linked: as GitHub states it, else that of the remote
+/// `origin` where it is a web address or GitHub's own short form.
+#[must_use]
+pub fn repository(root: &Path) -> Option<String> {
+    let part = |name: &str| std::env::var(name).ok();
+    part("GITHUB_SERVER_URL")
+        .zip(part("GITHUB_REPOSITORY"))
+        .map(|(server, name)| format!("{server}/{name}"))
+        .or_else(|| public_address(&git(root, &["remote", "get-url", "origin"])?))
+}
+
+/// A remote as a web address without credentials; `None` for folders, other protocols and private forms.
+fn public_address(remote: &str) -> Option<String> {
+    let path = remote
+        .strip_prefix("git@github.com:")
+        .map(|path| format!("github.com/{path}"))
+        .or_else(|| remote.strip_prefix("https://").map(str::to_owned))?;
+    let path = path.trim_end_matches('/');
+    let path = path.strip_suffix(".git").unwrap_or(path);
+    let plain = path.contains('/') && !path.contains('@') && !path.contains(char::is_whitespace);
+    plain.then(|| format!("https://{path}"))
+}
+
 /// Address of the run in continuous integration, as GitHub states it.
 fn link() -> Option<String> {
     let part = |name: &str| std::env::var(name).ok();
@@ -74,7 +97,27 @@ fn iso_8601(seconds: u64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::iso_8601;
+    use super::{iso_8601, public_address};
+
+    #[test]
+    fn only_public_addresses_are_linked_to() {
+        let found = Some("https://github.com/someone/bristle".to_owned());
+        for remote in [
+            "https://github.com/someone/bristle",
+            "https://github.com/someone/bristle.git",
+            "git@github.com:someone/bristle.git",
+        ] {
+            assert_eq!(public_address(remote), found, "{remote}");
+        }
+        for remote in [
+            "/srv/bristle",
+            "https://token@github.com/someone/bristle",
+            "https://nowhere",
+            "ssh://git@host/bristle",
+        ] {
+            assert_eq!(public_address(remote), None, "{remote}");
+        }
+    }
 
     #[test]
     fn the_calendar_is_right_at_leap_days_and_turns_of_year() {

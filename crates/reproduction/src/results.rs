@@ -2,13 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use report::{Run, Value};
+use report::{Multiverse, Run, Value};
 use serde_json::json;
 
 use crate::claims::Claim;
 use crate::engine::Finished;
 use crate::judge::Check;
 use crate::judgements::{Facts, Judged, judge};
+use crate::multiverse;
 use crate::published::{Interval, Published, PublishedError};
 
 /// Schema of `results.json`.
@@ -23,6 +24,8 @@ pub struct Results {
     pub values: BTreeMap<String, Value>,
     /// All claims with their verdicts, in the order of the file.
     pub claims: Vec<(Claim, Judged)>,
+    /// Verdicts over the product of defensible choices, by claim.
+    pub multiverses: BTreeMap<String, Multiverse>,
 }
 
 impl Results {
@@ -56,6 +59,7 @@ impl Results {
             each.collect::<Result<Vec<_>, PublishedError>>()?
         };
         Ok(Self {
+            multiverses: multiverse::all(&stages, &judged, &values, published)?,
             stages,
             values,
             claims: judged,

@@ -64,8 +64,15 @@ pub(super) fn write(
         }
     }
     for block in document.sections.iter().flat_map(|section| &section.blocks) {
-        let Block::Figure(figure) = block else {
-            continue;
+        let figure = match block {
+            Block::Figure(figure) => figure,
+            Block::Table(table) => {
+                let csv = report::table_file(table, &document.values).map_err(Failure::output)?;
+                let path = format!("tables/{}.csv", table.id);
+                folder.write(&path, "text/csv", &table.title, &csv)?;
+                continue;
+            }
+            _ => continue,
         };
         let svg = report::figure::svg_file(figure).map_err(Failure::output)?;
         folder.write(

@@ -125,6 +125,8 @@ pub(super) fn run(arguments: &ReproduceArguments) -> Result<Outcome, Failure> {
         drift,
         controls: controls.clone(),
         campaigns,
+        repository: provenance::repository(&inputs.root),
+        benchmarks: compose::Benchmarks::read(&inputs.root).map_err(Failure::Input)?,
         quick: arguments.quick,
     };
     let document = compose::document(&results, surroundings);

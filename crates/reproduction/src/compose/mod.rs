@@ -1,5 +1,6 @@
 //! The page: results and the sections of the stages brought together as a document.
 
+mod benchmarks;
 mod ledger;
 mod notes;
 
@@ -11,6 +12,8 @@ use report::{
 };
 
 use crate::results::Results;
+
+pub use benchmarks::{Benchmarks, diagnosis_fingerprint};
 
 /// What the page shows besides the results.
 pub struct Surroundings {
@@ -24,6 +27,10 @@ pub struct Surroundings {
     pub controls: Vec<NegativeControl>,
     /// Provenance of each campaign: name, `synthetic` or `measured`.
     pub campaigns: Vec<(String, &'static str)>,
+    /// Public address of the repository.
+    pub repository: Option<String>,
+    /// What benchmarks counted, as it stands in data/.
+    pub benchmarks: Benchmarks,
     /// Whether fewer starts and repetitions were used.
     pub quick: bool,
 }
@@ -38,6 +45,8 @@ pub fn document(results: &Results, around: Surroundings) -> Document {
         .filter_map(|stage| stage.output.as_ref().ok())
         .flat_map(|output| output.sections.clone())
         .collect();
+    let mut sections = sections;
+    sections.push(benchmarks::section(&around.benchmarks, &results.values));
     let anchors = anchors(&sections);
     let known: BTreeSet<&str> = results.values.keys().map(String::as_str).collect();
     Document {
@@ -54,7 +63,7 @@ pub fn document(results: &Results, around: Surroundings) -> Document {
             .iter()
             .map(|(claim, judged)| {
                 let mut row = ledger::row(claim, judged, &known, &anchors);
-                row.multiverse = multiverse(results, &claim.id);
+                row.multiverse = results.multiverses.get(&claim.id).cloned();
                 row
             })
             .collect(),
@@ -158,7 +167,7 @@ fn header(results: &Results, around: &Surroundings) -> Header {
             .iter()
             .map(|stage| (stage.id.to_owned(), stage.status()))
             .collect(),
-        repository: None,
+        repository: around.repository.clone(),
     }
 }
 
@@ -200,12 +209,6 @@ fn facts(results: &Results, around: &Surroundings) -> Vec<(String, String)> {
 /// The sums of the audit, as its stage left them.
 fn audit(results: &Results) -> Vec<AuditItem> {
     artefact(results, |stage, name| stage == "audit" && name == "items").unwrap_or_default()
-}
-
-/// The multiverse of a claim, if a stage left one under `multiverse.CXX`.
-fn multiverse(results: &Results, claim: &str) -> Option<report::Multiverse> {
-    let wanted = format!("multiverse.{claim}");
-    artefact(results, |_, name| name == wanted)
 }
 
 /// The first artefact that is wanted, if it reads as a `T`.

@@ -1,5 +1,7 @@
 //! The force envelope of a foot (Fig. 13, claims C12 and C13).
 
+use std::collections::BTreeMap;
+
 use biped::contact::Brush;
 use biped::envelope::family::{Reading, readings};
 use biped::envelope::programme::Binding;
@@ -12,6 +14,7 @@ use report::figure::{Axis, Figure, Ink, LinePlot, Mark, Provenance, Region, Rule
 use report::{Block, Cell, Column, Evidence, NoticeKind, Section, Table, Value};
 
 use super::machine;
+use crate::multiverse::{Point, Worlds};
 use crate::stage::{Needs, Stage, StageContext, StageError, StageOutput, TableFile};
 
 /// The envelope.
@@ -74,10 +77,7 @@ impl Stage for Envelope {
             blocks.push(Block::from(panel(&biped, posture, brush, name, pitch)?));
             gains.push(gain);
         }
-        let heights: Vec<f64> = gains.iter().map(|gain| gain.asymmetric_n[1]).collect();
-        let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let lowest = heights.iter().copied().fold(f64::INFINITY, f64::min);
-        let spread = 100.0 * (highest / lowest - 1.0);
+        let spread = spread(gains.iter().map(|gain| gain.asymmetric_n[1]));
         for (id, number, unit) in [
             ("envelope.vertical_spread", spread, "percent"),
             ("envelope.two_paths_gap", largest_gap, "1"),
@@ -89,6 +89,12 @@ impl Stage for Envelope {
         let family = readings(&biped, &postures, brush)?;
         family_values(&family, &mut output);
         output.tables.push(family_csv(&family));
+        for claim in ["C12", "C13"] {
+            let worlds = worlds(&family).artefact(claim);
+            output
+                .artefacts
+                .extend([worlds.map_err(|error| StageError::Failed(error.to_string()))?]);
+        }
         output
             .work
             .insert("readings of the family".into(), family.len() as u64);
@@ -257,6 +263,53 @@ fn panel(
     .with_claims(&["C12", "C13"]))
 }
 
+/// The gains of every reading of the family, in its order.
+fn worlds(family: &[Reading]) -> Worlds {
+    let options = |of: &dyn Fn(&Reading) -> String| {
+        let mut seen = Vec::new();
+        for option in family.iter().map(of) {
+            if !seen.contains(&option) {
+                seen.push(option);
+            }
+        }
+        seen
+    };
+    Worlds {
+        axes: vec![
+            (
+                "bodies".into(),
+                options(&|r| format!("{:?}", r.variant.body)),
+            ),
+            ("hip".into(), options(&|r| format!("{:?}", r.variant.hip))),
+            ("weight".into(), vec!["with".into(), "without".into()]),
+            ("links".into(), options(&|r| format!("{:?}", r.links))),
+        ],
+        values: family.iter().map(world).collect(),
+    }
+}
+
+/// What one reading gives for the values of C12 and C13.
+fn world(reading: &Reading) -> BTreeMap<String, Point> {
+    let mut values = BTreeMap::new();
+    for ((name, _), gain) in PITCHES.iter().zip(&reading.gains) {
+        values.insert(format!("envelope.gain.{name}"), gain.forward_percent.into());
+        values.insert(
+            format!("envelope.vertical.{name}"),
+            gain.vertical_percent.into(),
+        );
+    }
+    let heights = reading.gains.iter().map(|gain| gain.asymmetric_n[1]);
+    values.insert("envelope.vertical_spread".into(), spread(heights).into());
+    values
+}
+
+/// Largest over smallest less one, percent.
+fn spread(heights: impl Iterator<Item = f64> + Clone) -> f64 {
+    let highest = heights.clone().fold(f64::NEG_INFINITY, f64::max);
+    let lowest = heights.fold(f64::INFINITY, f64::min);
+    100.0 * (highest / lowest - 1.0)
+}
+
 /// Range of the gains over the family.
 fn family_values(family: &[Reading], output: &mut StageOutput) {
     for (k, (name, _)) in PITCHES.iter().enumerate() {
@@ -299,7 +352,7 @@ fn family_csv(family: &[Reading]) -> TableFile {
         ));
     }
     TableFile {
-        name: "envelope-family".into(),
+        name: "envelope-readings".into(),
         csv,
     }
 }

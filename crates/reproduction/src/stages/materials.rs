@@ -9,6 +9,8 @@
 //! ratio    m_f/m_r    sd = (m_f/m_r) s sqrt(1/r_f + 1/r_r)
 //! ```
 
+use std::collections::BTreeMap;
+
 use campaign::{Campaign, Direction};
 use fitting::criteria::t_quantile;
 use identification::LEVEL;
@@ -18,6 +20,7 @@ use rig::Experiment;
 
 use super::friction_curves::{coefficient_against_speed, plateaus, runs_in};
 use super::identification::{MATERIALS, failed};
+use crate::multiverse::{Point, Worlds};
 use crate::stage::{Needs, Stage, StageContext, StageError, StageOutput};
 
 /// The stage.
@@ -39,45 +42,66 @@ impl Measured {
     }
 }
 
-/// Direction dependence of one counterface.
-struct Dependence {
-    material: &'static str,
+/// Steady friction of one counterface over a window of speeds.
+#[derive(Clone, Copy)]
+struct Steady {
     forward: Measured,
     reverse: Measured,
     difference: Measured,
     ratio: Measured,
+}
+
+impl Steady {
+    /// `None` without runs in both directions inside the window (m/s).
+    fn of(campaign: &Campaign, window: (f64, f64)) -> Option<Self> {
+        let of = |direction| plateaus(campaign, direction, window.0, window.1);
+        let (forward, reverse) = (of(Direction::Forward), of(Direction::Reverse));
+        if forward.is_empty() || reverse.is_empty() {
+            return None;
+        }
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        let (mf, mr) = (mean(&forward), mean(&reverse));
+        let (nf, nr) = (forward.len() as f64, reverse.len() as f64);
+        let squares: f64 = forward.iter().map(|x| (x / mf - 1.0).powi(2)).sum::<f64>()
+            + reverse.iter().map(|x| (x / mr - 1.0).powi(2)).sum::<f64>();
+        let degrees = nf + nr - 2.0;
+        let (scatter, quantile) = if degrees > 0.0 {
+            ((squares / degrees).sqrt(), t_quantile(LEVEL, degrees))
+        } else {
+            // One run a direction says nothing of scatter: no interval.
+            (f64::NAN, f64::NAN)
+        };
+        let measured = |value: f64, sd: f64| Measured {
+            value,
+            half: quantile * sd,
+        };
+        Some(Self {
+            forward: measured(mf, mf * scatter / nf.sqrt()),
+            reverse: measured(mr, mr * scatter / nr.sqrt()),
+            difference: measured(mf - mr, scatter * (mf * mf / nf + mr * mr / nr).sqrt()),
+            ratio: measured(mf / mr, mf / mr * scatter * (1.0 / nf + 1.0 / nr).sqrt()),
+        })
+    }
+}
+
+/// Direction dependence of one counterface.
+struct Dependence {
+    material: &'static str,
+    steady: Steady,
     evidence: Evidence,
     curves: [Vec<[f64; 2]>; 2],
     inputs: Vec<(String, String)>,
 }
 
 fn dependence(material: &'static str, campaign: &Campaign) -> Result<Dependence, StageError> {
-    let of = |direction| plateaus(campaign, direction, WINDOW_M_S.0, WINDOW_M_S.1);
-    let (forward, reverse) = (of(Direction::Forward), of(Direction::Reverse));
-    if forward.is_empty() || reverse.is_empty() {
-        return Err(StageError::Failed(format!(
+    let steady = Steady::of(campaign, WINDOW_M_S).ok_or_else(|| {
+        StageError::Failed(format!(
             "{}: direction dependence needs runs in both directions between {} and {} mm/s",
             campaign.name,
             1e3 * WINDOW_M_S.0,
             1e3 * WINDOW_M_S.1
-        )));
-    }
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    let (mf, mr) = (mean(&forward), mean(&reverse));
-    let (nf, nr) = (forward.len() as f64, reverse.len() as f64);
-    let squares: f64 = forward.iter().map(|x| (x / mf - 1.0).powi(2)).sum::<f64>()
-        + reverse.iter().map(|x| (x / mr - 1.0).powi(2)).sum::<f64>();
-    let degrees = nf + nr - 2.0;
-    let (scatter, quantile) = if degrees > 0.0 {
-        ((squares / degrees).sqrt(), t_quantile(LEVEL, degrees))
-    } else {
-        // One run a direction says nothing of scatter: no interval.
-        (f64::NAN, f64::NAN)
-    };
-    let measured = |value: f64, sd: f64| Measured {
-        value,
-        half: quantile * sd,
-    };
+        ))
+    })?;
     let experiment = Experiment::new(campaign).map_err(failed)?;
     let curve = |direction| {
         runs_in(campaign, direction)
@@ -87,10 +111,7 @@ fn dependence(material: &'static str, campaign: &Campaign) -> Result<Dependence,
     };
     Ok(Dependence {
         material,
-        forward: measured(mf, mf * scatter / nf.sqrt()),
-        reverse: measured(mr, mr * scatter / nr.sqrt()),
-        difference: measured(mf - mr, scatter * (mf * mf / nf + mr * mr / nr).sqrt()),
-        ratio: measured(mf / mr, mf / mr * scatter * (1.0 / nf + 1.0 / nr).sqrt()),
+        steady,
         evidence: crate::evidence_of(campaign.provenance),
         curves: [curve(Direction::Forward), curve(Direction::Reverse)],
         inputs: campaign
@@ -99,6 +120,88 @@ fn dependence(material: &'static str, campaign: &Campaign) -> Result<Dependence,
             .map(|(path, hash)| (format!("{}/{path}", campaign.name), hash.clone()))
             .collect(),
     })
+}
+
+/// Windows of "steady" that may be meant, m/s.
+const WINDOW_STARTS_M_S: [f64; 3] = [0.01, 0.02, 0.03];
+const WINDOW_ENDS_M_S: [f64; 2] = [0.05, 0.06];
+
+fn windows() -> impl Iterator<Item = (f64, f64)> {
+    WINDOW_STARTS_M_S
+        .into_iter()
+        .flat_map(|from| WINDOW_ENDS_M_S.map(|to| (from, to)))
+}
+
+/// The choices of a window.
+fn window_axes() -> Vec<(String, Vec<String>)> {
+    let millimetres = |ends: &[f64]| {
+        ends.iter()
+            .map(|v| format!("{:.0} mm/s", 1e3 * v))
+            .collect()
+    };
+    vec![
+        ("window from".into(), millimetres(&WINDOW_STARTS_M_S)),
+        ("window to".into(), millimetres(&WINDOW_ENDS_M_S)),
+    ]
+}
+
+/// The plateaus on aluminium over every window.
+fn plateau_worlds(aluminium: &Campaign) -> Worlds {
+    let point = |one: Measured| Point {
+        value: one.value,
+        ci95: Some(one.interval()).filter(|ends| ends.iter().all(|end| end.is_finite())),
+    };
+    Worlds {
+        axes: window_axes(),
+        values: windows()
+            .map(|window| {
+                Steady::of(aluminium, window).map_or_else(BTreeMap::new, |steady| {
+                    BTreeMap::from([
+                        (
+                            "materials.aluminium.steady_forward".to_owned(),
+                            point(steady.forward),
+                        ),
+                        (
+                            "materials.aluminium.steady_reverse".to_owned(),
+                            point(steady.reverse),
+                        ),
+                    ])
+                })
+            })
+            .collect(),
+    }
+}
+
+/// The measure by which counterfaces are put in order, difference or ratio (its logarithm: zero means none), over every
+/// window. The judgement compares whatever stands in the place of the difference.
+fn order_worlds(campaigns: &[(&'static str, &Campaign)]) -> Worlds {
+    let measures: [fn(&Steady) -> f64; 2] = [
+        |steady| steady.difference.value,
+        |steady| steady.ratio.value.ln(),
+    ];
+    let mut axes = vec![(
+        "measure".to_owned(),
+        ["difference", "ratio"].map(String::from).to_vec(),
+    )];
+    axes.extend(window_axes());
+    let world = |measure: fn(&Steady) -> f64, window| -> Option<BTreeMap<String, Point>> {
+        campaigns
+            .iter()
+            .map(|(material, campaign)| {
+                let steady = Steady::of(campaign, window)?;
+                let id = format!("materials.{material}.difference");
+                Some((id, Point::from(measure(&steady))))
+            })
+            .collect()
+    };
+    Worlds {
+        axes,
+        values: measures
+            .into_iter()
+            .flat_map(|measure| windows().map(move |window| (measure, window)))
+            .map(|(measure, window)| world(measure, window).unwrap_or_default())
+            .collect(),
+    }
 }
 
 impl Stage for Materials {
@@ -123,17 +226,21 @@ impl Stage for Materials {
     }
 
     fn run(&self, context: &StageContext<'_>) -> Result<StageOutput, StageError> {
-        let all = MATERIALS
+        let campaigns = MATERIALS
             .iter()
-            .map(|(material, name)| dependence(material, &*context.campaign(name)?))
+            .map(|(material, name)| Ok((*material, context.campaign(name)?)))
+            .collect::<Result<Vec<_>, StageError>>()?;
+        let all = campaigns
+            .iter()
+            .map(|(material, campaign)| dependence(material, campaign))
             .collect::<Result<Vec<_>, _>>()?;
         let mut output = StageOutput::done();
         for one in &all {
             for (part, found) in [
-                ("steady_forward", one.forward),
-                ("steady_reverse", one.reverse),
-                ("difference", one.difference),
-                ("ratio", one.ratio),
+                ("steady_forward", one.steady.forward),
+                ("steady_reverse", one.steady.reverse),
+                ("difference", one.steady.difference),
+                ("ratio", one.steady.ratio),
             ] {
                 let id = format!("materials.{}.{part}", one.material);
                 let [low, high] = found.interval();
@@ -146,6 +253,18 @@ impl Stage for Materials {
                 }
                 output.values.push(value);
             }
+        }
+        let opened: Vec<(&'static str, &Campaign)> = campaigns
+            .iter()
+            .map(|(material, campaign)| (*material, &**campaign))
+            .collect();
+        for (claim, worlds) in [
+            ("C05", order_worlds(&opened)),
+            ("C09", plateau_worlds(opened[0].1)),
+        ] {
+            output
+                .artefacts
+                .extend([worlds.artefact(claim).map_err(failed)?]);
         }
         output.sections = vec![section(&all)];
         Ok(output)
@@ -177,8 +296,8 @@ fn section(all: &[Dependence]) -> Section {
         format!("{} ({sure})", names.join(", then "))
     };
     let (difference, ratio) = (
-        order(all, |one| one.difference),
-        order(all, |one| one.ratio),
+        order(all, |one| one.steady.difference),
+        order(all, |one| one.steady.ratio),
     );
     let follows = if difference.0 == ratio.0 {
         "Both measures give one order, so the claim does not hang on which is meant."
@@ -289,9 +408,11 @@ fn bars(all: &[Dependence], evidence: Evidence) -> Figure {
         y: Axis::new("direction dependence", "1"),
         groups: vec![
             group("difference, forward less reverse", Ink::Slot(0), |one| {
-                one.difference
+                one.steady.difference
             }),
-            group("ratio, forward over reverse", Ink::Slot(1), |one| one.ratio),
+            group("ratio, forward over reverse", Ink::Slot(1), |one| {
+                one.steady.ratio
+            }),
         ],
         rules: vec![report::figure::Rule::Horizontal(
             1.0,

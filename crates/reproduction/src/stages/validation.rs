@@ -4,6 +4,8 @@
 //! is set beside what the 3x3 repeats scatter among themselves. What the model itself asks for is tried as well: with
 //! sigma0 = k/(N h), and k by the number of brushes, another brush and load mean another sigma0 (C16).
 
+use std::collections::BTreeMap;
+
 use friction::LawKind;
 use identification::{Band, Question, Spread, identify, prediction_band, repeat_floor};
 use report::figure::{self, Axis, Figure, LinePlot, Provenance};
@@ -13,8 +15,9 @@ use rig::{Experiment, Model, ModelFile};
 use super::friction_curves::{
     DIRECTIONS, coefficient_against_speed, relative_error, runs_in, speed_series,
 };
-use super::identification::failed;
 use super::identification::spread::Kept;
+use super::identification::{choices, failed};
+use crate::multiverse::{Point, Worlds};
 use crate::stage::{Needs, Stage, StageContext, StageError, StageOutput};
 
 /// The stage.
@@ -45,6 +48,39 @@ fn source(context: &StageContext<'_>) -> Result<Source, StageError> {
     Ok(Source {
         parameters: file.law_values().map_err(StageError::Failed)?,
         spread: spread.map(Spread::from),
+    })
+}
+
+/// The error of the prediction under every combination of choices that the identification made.
+fn worlds(
+    context: &StageContext<'_>,
+    campaign: &campaign::Campaign,
+    experiment: &Experiment,
+) -> Result<Worlds, StageError> {
+    let kept = context
+        .earlier("identification")?
+        .artefacts
+        .get("choices.aluminium")
+        .ok_or_else(|| StageError::Failed("identification left no choices.aluminium".into()))?;
+    let all: Vec<choices::Choice> = serde_json::from_value(kept.clone()).map_err(failed)?;
+    let values = all
+        .iter()
+        .map(|choice| {
+            let Some(force_n) = choice.predict(experiment)? else {
+                return Ok(BTreeMap::new());
+            };
+            Ok(DIRECTIONS
+                .iter()
+                .filter_map(|(direction, word, _)| {
+                    let error = relative_error(campaign, experiment, &force_n, *direction)?;
+                    Some((format!("{STEM}.nrmse_{word}"), Point::from(error)))
+                })
+                .collect())
+        })
+        .collect::<Result<Vec<_>, StageError>>()?;
+    Ok(Worlds {
+        axes: choices::axes(),
+        values,
     })
 }
 
@@ -115,6 +151,10 @@ impl Stage for Validation {
             own = own.with_ci95(low, high);
         }
         output.values.push(own);
+        let worlds = worlds(context, &campaign, &experiment)?;
+        output
+            .artefacts
+            .extend([worlds.artefact("C03").map_err(failed)?]);
         output.sections = vec![section(
             &campaign,
             &experiment,

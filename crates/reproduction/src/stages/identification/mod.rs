@@ -1,5 +1,6 @@
 //! Parameters of the asymmetric bristle law from the campaigns on three counterfaces, and what of them can be known.
 
+pub(crate) mod choices;
 mod cord;
 pub(super) mod figures;
 pub(crate) mod spread;
@@ -159,6 +160,8 @@ impl Stage for Identification {
         context.say("holding the lean, following the scale ray");
         let leans = held_leans(context, aluminium)?;
         let paper = ray(context, aluminium)?;
+        context.say("fitting under every combination of open choices");
+        let choices = choices::all(context, aluminium)?;
         context.say("assuming cords of many stiffnesses");
         let corded = context.campaign(CORDED)?;
         let sweep = cord::sweep(&corded, context.quick)?;
@@ -187,6 +190,19 @@ impl Stage for Identification {
                 );
             }
         }
+        for (claim, worlds) in [
+            ("C01", choices::parameters(&choices)),
+            ("C02", choices::errors(aluminium, &choices)),
+        ] {
+            output
+                .artefacts
+                .extend([worlds.artefact(claim).map_err(failed)?]);
+        }
+        let kept: Vec<_> = choices.into_iter().map(|(choice, _)| choice).collect();
+        output.artefacts.insert(
+            "choices.aluminium".to_owned(),
+            serde_json::to_value(kept).map_err(failed)?,
+        );
         output.sections = vec![section(&materials, &laws, &leans, &paper, &sweep)];
         Ok(output)
     }
