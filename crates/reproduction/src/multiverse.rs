@@ -130,14 +130,20 @@ fn of_claim(
 fn account(factors: &[f64]) -> String {
     let smallest = factors.iter().copied().fold(f64::INFINITY, f64::min);
     let largest = factors.iter().copied().fold(0.0, f64::max);
-    if !largest.is_finite() || factors.is_empty() {
+    if factors.is_empty() || !largest.is_finite() {
         return String::new();
     }
-    format!(
-        "The first combination agrees at {} times the stated tolerance, the last at {} times.",
-        significant(smallest),
-        significant(largest)
-    )
+    let all = significant(largest);
+    if smallest > 0.0 {
+        let first = significant(smallest);
+        format!(
+            "One combination agrees from {first} times the stated tolerance on, all of them from {all} times on."
+        )
+    } else {
+        format!(
+            "Some combination agrees with any tolerance, all of them from {all} times the stated one on."
+        )
+    }
 }
 
 #[cfg(test)]
@@ -191,7 +197,15 @@ mod tests {
             found.verdicts,
             [Verdict::Consistent, Verdict::Differs, Verdict::NotRun]
         );
-        assert!(found.account.0.contains("0.5"), "{}", found.account.0);
-        assert!(found.account.0.contains("2 times"), "{}", found.account.0);
+        assert!(
+            found.account.0.contains("from 0.5 times"),
+            "{}",
+            found.account.0
+        );
+        assert!(
+            found.account.0.contains("from 2 times"),
+            "{}",
+            found.account.0
+        );
     }
 }
