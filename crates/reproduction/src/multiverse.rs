@@ -198,12 +198,18 @@ mod tests {
             [Verdict::Consistent, Verdict::Differs, Verdict::NotRun]
         );
         assert!(
-            found.account.0.contains("from 0.5 times"),
+            found
+                .account
+                .0
+                .contains(&format!("from {} times", significant(0.5))),
             "{}",
             found.account.0
         );
         assert!(
-            found.account.0.contains("from 2 times"),
+            found
+                .account
+                .0
+                .contains(&format!("from {} times", significant(2.0))),
             "{}",
             found.account.0
         );
