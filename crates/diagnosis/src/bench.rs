@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use campaign::Campaign;
-use fitting::noise::{Context, EstimateOptions, NoiseModel, Sizes, Whitener, estimate};
+use fitting::noise::{Context, EstimateOptions, NoiseModel, Ring, Sizes, Whitener, estimate};
 use fitting::{Bounds, Options as SolverOptions, Residuals, minimise};
 use friction::LawKind;
 use nalgebra::{Cholesky, DMatrix, DVector};
@@ -139,7 +139,35 @@ impl Subset {
             sliding: pick(&bench.samples.sliding),
             place: pick(&bench.samples.place),
             scale: pick(scale),
+            ring: Vec::new(),
         }
+    }
+
+    /// The noise's context beside a fit: on a cord roughness reaches the record through the cord's resonance.
+    pub(crate) fn context_of(&self, bench: &Bench<'_>, fitted: &Fitted) -> Context {
+        let mut context = self.context(bench, &fitted.prediction);
+        context.ring = self
+            .runs
+            .iter()
+            .map(|&k| {
+                let held = fitted
+                    .model
+                    .coupling(&bench.experiment, k, &fitted.parameters);
+                let slope = fitted
+                    .model
+                    .steady_slope(&bench.experiment, k, &fitted.parameters);
+                let run = &bench.experiment.runs[k];
+                let span = run.time_s.last()? - run.time_s.first()?;
+                let step = span / (run.len() - 1).max(1) as f64;
+                Ring::new(
+                    held.mass,
+                    held.compliance,
+                    held.damping + slope.max(0.0),
+                    step,
+                )
+            })
+            .collect();
+        context
     }
 
     /// The samples of these runs.
@@ -363,22 +391,28 @@ impl<'a> Bench<'a> {
         }
     }
 
+    /// Law parameters from which fits may start: what the record suggests, and a spread about typical sizes (or the model
+    /// file's alone).
+    pub(crate) fn law_starts(&self, model: &Model) -> Vec<Vec<f64>> {
+        match &self.prior {
+            Some(prior) => vec![prior.values.clone()],
+            None => {
+                let features = identification::features(self.campaign);
+                let mut starts =
+                    identification::starts(self.law, &features, self.experiment.height_m, None);
+                starts.extend(spread_about(model));
+                starts
+            }
+        }
+    }
+
     /// The law alone, from the starts that the record suggests (or from the model file).
     pub(crate) fn law_fit(&self, subset: &Subset, sizes: &Sizes) -> Option<Fitted> {
         let scale = self.crude_scale();
         let context = subset.context(self, &scale);
         let whitener = Whitener::new(&context, sizes);
         let model = self.model(&[])?;
-        let starts: Vec<Vec<f64>> = match &self.prior {
-            Some(prior) => vec![prior.values.clone()],
-            None => {
-                let features = identification::features(self.campaign);
-                let mut starts =
-                    identification::starts(self.law, &features, self.experiment.height_m, None);
-                starts.extend(spread_about(&model));
-                starts
-            }
-        };
+        let starts = self.law_starts(&model);
         // All starts are looked at, the nearest are fitted.
         let measured = subset.gather(&self.experiment.measured_n);
         let mut ranked: Vec<(f64, Vec<f64>)> = starts
@@ -446,7 +480,7 @@ impl<'a> Bench<'a> {
         within: &DMatrix<f64>,
         start: Option<Sizes>,
     ) -> NoiseModel {
-        let context = subset.context(self, &fitted.prediction);
+        let context = subset.context_of(self, fitted);
         let residual =
             subset.gather(&self.experiment.measured_n) - subset.gather(&fitted.prediction);
         estimate(
@@ -499,7 +533,7 @@ pub(crate) struct Stand {
 impl Stand {
     /// A fit under given sizes of the noise (their scatter is only the fit's; the tests integrate over it).
     pub(crate) fn new(bench: &Bench<'_>, subset: &Subset, fitted: Fitted, sizes: Sizes) -> Self {
-        let context = subset.context(bench, &fitted.prediction);
+        let context = subset.context_of(bench, &fitted);
         let inner = Sizes {
             scatter: 0.0,
             ..sizes

@@ -116,7 +116,7 @@ pub(crate) fn contest(
             fitted: None,
         });
     }
-    let context = subset.context(bench, &full.prediction);
+    let context = subset.context_of(bench, full);
     let whitener = stand.whitener.with_scatter(&context, scatter);
     let checked: Vec<Opponent> = opponents
         .into_par_iter()

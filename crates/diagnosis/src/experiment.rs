@@ -90,6 +90,7 @@ fn distance(
         sliding: Vec::new(),
         place: Vec::new(),
         scale: x.clone(),
+        ring: Vec::new(),
     };
     for run in &experiment.runs[bench.samples.runs.len()..] {
         let start = context.sliding.len();

@@ -135,7 +135,7 @@ fn fold(
             if rest.is_empty() {
                 return Some(own.baseline.fitted.prediction.clone());
             }
-            let context = subset.context(bench, &full.prediction);
+            let context = subset.context_of(bench, full);
             let whitener = own
                 .stand
                 .whitener

@@ -14,7 +14,7 @@ use crate::selection::Selected;
 pub(crate) fn compare(bench: &Bench<'_>, selected: &Selected) -> Vec<LawFit> {
     let stand = &selected.baseline;
     let subset = Subset::all(bench);
-    let context = subset.context(bench, &stand.fitted.prediction);
+    let context = subset.context_of(bench, &stand.fitted);
     let gains = stand.whitener.whiten_columns(&gain_matrix(&context));
     let n = subset.len() as f64;
     let fits: Vec<Option<(LawKind, f64, f64)>> = LawKind::ALL

@@ -6,7 +6,7 @@
 //! 4. Before a second cause stays, every other cause is asked to do better alone than the pair (the near miss), and
 //!    each cause of the set to do without, or to be replaced.
 
-use fitting::noise::Sizes;
+use fitting::noise::{Sizes, Whitener};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -108,7 +108,7 @@ fn baseline(bench: &Bench<'_>, subset: &Subset, warm: Option<&Warm>) -> Option<(
 
 /// The same model fitted again under other sizes of the noise.
 fn refit(bench: &Bench<'_>, subset: &Subset, fitted: &Fitted, sizes: &Sizes) -> Option<Fitted> {
-    let context = subset.context(bench, &fitted.prediction);
+    let context = subset.context_of(bench, fitted);
     let whitener = fitting::noise::Whitener::new(&context, sizes);
     let dear = fitted.effects.iter().any(|&e| is_dear(bench, e));
     let limit = if dear { 6 } else { 20 };
@@ -130,7 +130,7 @@ fn joint_fits(
     candidates: &[&Candidate],
     starts: usize,
 ) -> Vec<(usize, Fitted, f64)> {
-    let context = subset.context(bench, &stand.fitted.prediction);
+    let context = subset.context_of(bench, &stand.fitted);
     let fits: Vec<Option<(usize, Fitted, f64)>> = candidates
         .par_iter()
         .map(|candidate| {
@@ -138,15 +138,20 @@ fn joint_fits(
                 .whitener
                 .with_scatter(&context, candidate.score.scatter);
             let mut best: Option<(Fitted, f64)> = None;
-            let dear = is_dear(bench, candidate.cause);
-            let (starts, limit) = if dear { (1, 10) } else { (starts, 20) };
-            for own in candidate.starts.iter().take(starts) {
-                let Some((_, start)) = extended(bench, &stand.fitted, candidate.cause, own) else {
-                    continue;
-                };
-                let mut effects = stand.fitted.effects.clone();
-                effects.push(candidate.cause);
-                let Some(fit) = bench.fit(subset, &effects, &start, &whitener, None, limit) else {
+            let mut effects = stand.fitted.effects.clone();
+            effects.push(candidate.cause);
+            let mut from: Vec<Vec<f64>> = candidate
+                .starts
+                .iter()
+                .take(starts)
+                .filter_map(|own| extended(bench, &stand.fitted, candidate.cause, own))
+                .map(|(_, start)| start)
+                .collect();
+            if is_dear(bench, candidate.cause) {
+                from.extend(afresh(bench, subset, stand, candidate, &whitener));
+            }
+            for start in from {
+                let Some(fit) = bench.fit(subset, &effects, &start, &whitener, None, 20) else {
                     continue;
                 };
                 let deviance = stand.deviance_of(bench, subset, &fit);
@@ -164,6 +169,38 @@ fn joint_fits(
             .then(a.0.cmp(&b.0))
     });
     fits
+}
+
+/// Starts of a joint fit with the law afresh. The law's own fit takes a cord's stretch for its stiffness and damping and may
+/// end in another valley than the two together: of all of the law's starts those nearest to the data with the cause at
+/// its estimated size.
+fn afresh(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    candidate: &Candidate,
+    whitener: &Whitener,
+) -> Vec<Vec<f64>> {
+    const TAKEN: usize = 3;
+    let measured = subset.gather(&bench.experiment.measured_n);
+    let mut ranked: Vec<(f64, Vec<f64>)> = Vec::new();
+    let Some(own) = candidate.starts.first() else {
+        return Vec::new();
+    };
+    let Some((model, at)) = extended(bench, &stand.fitted, candidate.cause, own) else {
+        return Vec::new();
+    };
+    for law in bench.law_starts(&model) {
+        let mut start = at.clone();
+        start[..law.len()].copy_from_slice(&law);
+        let predicted = subset.gather(&model.predict(&bench.experiment, &start));
+        let cost = whitener.whiten(&(predicted - &measured)).norm_squared();
+        if cost.is_finite() {
+            ranked.push((cost, start));
+        }
+    }
+    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    ranked.into_iter().take(TAKEN).map(|r| r.1).collect()
 }
 
 /// Deviance with parameters and, for a searched period, the search paid for.
@@ -329,7 +366,7 @@ fn look_back(
     if count == 2 {
         let mut best: Option<(f64, &Single)> = None;
         for single in singles {
-            let context = subset.context(bench, &pair.fitted.prediction);
+            let context = subset.context_of(bench, &pair.fitted);
             let whitener = pair.whitener.with_scatter(&context, pair.sizes.scatter);
             let Some(fit) = bench.fit(
                 subset,
@@ -361,7 +398,7 @@ fn look_back(
             .map(|j| pair.fitted.effects[j])
             .collect();
         let start = without(&pair.fitted, k);
-        let context = subset.context(bench, &pair.fitted.prediction);
+        let context = subset.context_of(bench, &pair.fitted);
         let whitener = pair.whitener.with_scatter(&context, pair.sizes.scatter);
         let Some(fit) = bench.fit(subset, &rest, &start, &whitener, None, 20) else {
             continue;

@@ -91,5 +91,6 @@ pub(crate) fn noise_context(experiment: &Experiment, predicted: &[f64]) -> Conte
         sliding: stacked(|run| &run.distance_m),
         place: stacked(|run| &run.position_m),
         scale,
+        ring: Vec::new(),
     }
 }

@@ -1,5 +1,7 @@
 //! One campaign through the chain, for one scalar.
 
+use std::collections::BTreeMap;
+
 use friction::{Drive, IntegrationError, Law, Record, Scalar, integrate};
 
 use crate::cord::{Corded, tension};
@@ -26,6 +28,7 @@ impl<D: ChainScalar> Pass<'_, D> {
             .map(|cause| vec![D::constant(0.0); cause.memory()])
             .collect();
         let mut out = Vec::with_capacity(self.experiment.samples());
+        let mut done = Done::new(self);
         for (index, run) in self.experiment.runs.iter().enumerate() {
             if !self.experiment.has_order {
                 memories
@@ -33,7 +36,7 @@ impl<D: ChainScalar> Pass<'_, D> {
                     .flatten()
                     .for_each(|m| *m = D::constant(0.0));
             }
-            match self.run(index, run, &mut memories) {
+            match self.run(index, run, &mut memories, &mut done) {
                 Ok(force) => out.extend(force),
                 Err(_) => out.resize(out.len() + run.len(), D::constant(f64::NAN)),
             }
@@ -54,6 +57,7 @@ impl<D: ChainScalar> Pass<'_, D> {
         index: usize,
         run: &RunMotion,
         memories: &mut [Vec<D>],
+        done: &mut Done<D>,
     ) -> Result<Vec<D>, IntegrationError> {
         let at = Place {
             experiment: self.experiment,
@@ -124,12 +128,19 @@ impl<D: ChainScalar> Pass<'_, D> {
         let mut factor = None;
         let mut force: Vec<D> = Vec::new();
         if !corded || self.acts(Reach::Factor) {
-            let coefficient = self.coefficients(&law, &record, initial)?;
-            force = coefficient
-                .iter()
-                .zip(&run.load_n)
-                .map(|(&mu, &load)| mu * (turn * load))
-                .collect();
+            force = match done.rigid(run.twin) {
+                Some(same) => same.to_vec(),
+                None => {
+                    let coefficient = self.coefficients(&law, &record, initial)?;
+                    let force: Vec<D> = coefficient
+                        .iter()
+                        .zip(&run.load_n)
+                        .map(|(&mu, &load)| mu * (turn * load))
+                        .collect();
+                    done.keep_rigid(index, &force);
+                    force
+                }
+            };
         }
         if self.acts(Reach::Factor) {
             let mut whole = vec![D::constant(1.0); n];
@@ -160,8 +171,15 @@ impl<D: ChainScalar> Pass<'_, D> {
                 coupling,
                 initial,
             };
-            force = tension(&held)?;
-            force.iter_mut().for_each(|f| *f *= turn);
+            force = match done.corded(run.twin).filter(|_| factor.is_none()) {
+                Some(same) => same.to_vec(),
+                None => {
+                    let mut force = self.tension(&held)?;
+                    force.iter_mut().for_each(|f| *f *= turn);
+                    done.keep_corded(index, &force);
+                    force
+                }
+            };
         }
         if self.experiment.moving_mass_kg != 0.0 {
             for (f, a) in force.iter_mut().zip(&run.acceleration_m_s2) {
@@ -233,6 +251,35 @@ impl<D: ChainScalar> Pass<'_, D> {
         }
     }
 
+    /// Tension of the cord at the samples.
+    fn tension(&self, held: &Corded<'_, D>) -> Result<Vec<D>, IntegrationError> {
+        if D::NDERIV == 0 || self.state_varies {
+            return tension(held);
+        }
+        // nothing that is seeded reaches the cord: values suffice
+        let real = |series: &[D]| series.iter().map(Scalar::value).collect::<Vec<f64>>();
+        let velocity = real(held.record.velocity);
+        let curve_speed = held.record.curve_speed.map(real);
+        let rest_gain = held.record.rest_gain.map(real);
+        let factor = held.factor.map(real);
+        let values = tension(&Corded {
+            law: &held.law.real(),
+            record: Record {
+                time_s: held.record.time_s,
+                velocity: &velocity,
+                curve_speed: curve_speed.as_deref(),
+                rest_gain: rest_gain.as_deref(),
+                knots: held.record.knots,
+            },
+            every_sample: held.every_sample,
+            load_n: held.load_n,
+            factor: factor.as_deref(),
+            coupling: held.coupling.real(),
+            initial: held.initial.value(),
+        })?;
+        Ok(values.into_iter().map(D::constant).collect())
+    }
+
     /// Coefficient of friction at the samples of the rigid chain.
     fn coefficients(
         &self,
@@ -257,6 +304,57 @@ impl<D: ChainScalar> Pass<'_, D> {
             return Ok(values.into_iter().map(D::constant).collect());
         }
         coefficients(law, record, initial)
+    }
+}
+
+/// Mechanics of runs that others repeat, see [`RunMotion::twin`].
+struct Done<D> {
+    /// Whether a run's mechanics serve another.
+    wanted: Vec<bool>,
+    rigid: BTreeMap<usize, Vec<D>>,
+    corded: BTreeMap<usize, Vec<D>>,
+}
+
+impl<D: ChainScalar> Done<D> {
+    fn new(pass: &Pass<'_, D>) -> Self {
+        let runs = &pass.experiment.runs;
+        let mut wanted = vec![false; runs.len()];
+        let shared = (pass.model.effects.iter().zip(&pass.active))
+            .filter(|&(_, &active)| active)
+            .all(|(cause, _)| {
+                cause.sees_only_the_motion()
+                    || matches!(cause.reach(), Reach::Factor | Reach::Record)
+            });
+        if shared {
+            for (index, run) in runs.iter().enumerate() {
+                wanted[run.twin] |= run.twin != index;
+            }
+        }
+        Self {
+            wanted,
+            rigid: BTreeMap::new(),
+            corded: BTreeMap::new(),
+        }
+    }
+
+    fn rigid(&self, twin: usize) -> Option<&[D]> {
+        self.rigid.get(&twin).map(Vec::as_slice)
+    }
+
+    fn corded(&self, twin: usize) -> Option<&[D]> {
+        self.corded.get(&twin).map(Vec::as_slice)
+    }
+
+    fn keep_rigid(&mut self, index: usize, force: &[D]) {
+        if self.wanted[index] {
+            self.rigid.insert(index, force.to_vec());
+        }
+    }
+
+    fn keep_corded(&mut self, index: usize, force: &[D]) {
+        if self.wanted[index] {
+            self.corded.insert(index, force.to_vec());
+        }
     }
 }
 

@@ -48,7 +48,7 @@ impl<D: Scalar> Coupling<D> {
         }
     }
 
-    fn real(&self) -> Coupling<f64> {
+    pub(crate) fn real(&self) -> Coupling<f64> {
         Coupling {
             compliance: self.compliance.value(),
             damping: self.damping.value(),

@@ -214,6 +214,15 @@ pub trait Cause: Hooks {
         0
     }
 
+    /// Whether its hook looks at nothing but motion and load of the run, so that runs with equal ones share their
+    /// mechanics. Not so where place, rest or history count.
+    fn sees_only_the_motion(&self) -> bool {
+        matches!(
+            self.reach(),
+            Reach::Law | Reach::CurveSpeed | Reach::Coupling
+        ) && self.memory() == 0
+    }
+
     /// Parameters under the catalogue's names.
     fn reported(&self, fitted: &[f64]) -> Vec<Reported> {
         self.parameters()

@@ -69,6 +69,9 @@ pub struct RunMotion {
     pub specimen_turned: bool,
     /// The state at the first sample is not known and belongs to the parameters.
     pub initial_state_unknown: bool,
+    /// The first run with the same motion under the same load, bit for bit (the run itself where there is none before
+    /// it): mechanics without history are computed once for both.
+    pub twin: usize,
 }
 
 impl RunMotion {
@@ -80,6 +83,17 @@ impl RunMotion {
     /// Whether the run has no samples (never the case for a checked campaign).
     pub fn is_empty(&self) -> bool {
         self.time_s.is_empty()
+    }
+
+    /// Whether another run goes through the same motion under the same load from the same known state.
+    fn repeats(&self, other: &Self) -> bool {
+        !self.initial_state_unknown
+            && !other.initial_state_unknown
+            && self.specimen_turned == other.specimen_turned
+            && self.nominal_load_n == other.nominal_load_n
+            && self.velocity_m_s == other.velocity_m_s
+            && self.time_s == other.time_s
+            && self.load_n == other.load_n
     }
 
     /// Whether the run has contact.
@@ -149,6 +163,7 @@ impl Experiment {
         let mut runs: Vec<RunMotion> = Vec::with_capacity(campaign.runs.len());
         let mut measured_n = Vec::new();
         let (mut slid, mut ended) = (0.0, None);
+        let mut leaders: Vec<usize> = Vec::new();
         for run in &campaign.runs {
             let first = measured_n.len();
             measured_n.extend_from_slice(&run.force_n);
@@ -169,6 +184,14 @@ impl Experiment {
                 slid += motion.distance_m.last().copied().unwrap_or(0.0);
             }
             ended = started_s.map(|start| start + run.time_s.last().copied().unwrap_or(0.0));
+            motion.twin = leaders
+                .iter()
+                .copied()
+                .find(|&k| runs[k].repeats(&motion))
+                .unwrap_or_else(|| {
+                    leaders.push(runs.len());
+                    runs.len()
+                });
             runs.push(motion);
         }
         let reference_load_n = reference_load(&runs);
@@ -302,6 +325,7 @@ fn prepare(run: &campaign::Run, has_load: bool, fastest: f64) -> RunMotion {
         stage_turned: run.stage_turned,
         specimen_turned: run.specimen_turned,
         initial_state_unknown: run.initial_state == InitialState::Unknown,
+        twin: 0,
     }
 }
 

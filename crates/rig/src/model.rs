@@ -10,7 +10,7 @@ use friction::{CosinePlacement, Exponent, Law, LawError, LawKind, ParameterSpec,
 use nalgebra::DMatrix;
 
 use crate::chain::Pass;
-use crate::{Cause, Experiment, jacobian};
+use crate::{Cause, ChainScalar, Coupling, Experiment, Hook, Place, Reach, jacobian};
 
 /// Why a model cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -231,6 +231,47 @@ impl Model {
         (0..self.effects.len())
             .map(|i| !self.effects[i].is_null(&parameters[self.span(i)]))
             .collect()
+    }
+
+    /// What holds the specimen in a run: rigid where no cause at the coupling is off its null.
+    pub fn coupling(
+        &self,
+        experiment: &Experiment,
+        run: usize,
+        parameters: &[f64],
+    ) -> Coupling<f64> {
+        let mut coupling = Coupling::rigid();
+        let at = Place {
+            experiment,
+            run: &experiment.runs[run],
+        };
+        let active = self.off_null(parameters);
+        for &i in &self.sequence {
+            let cause = self.effects[i].as_ref();
+            if active[i] && cause.reach() == Reach::Coupling {
+                let hook = Hook::Coupling {
+                    coupling: &mut coupling,
+                };
+                f64::call(cause, &parameters[self.span(i)], at, hook);
+            }
+        }
+        coupling
+    }
+
+    /// Slope of the steady friction force over the slip speed at a run's mean speed, N s/m (rotary N m s/rad): what
+    /// friction adds to the damping of a specimen that swings while it slides.
+    pub fn steady_slope(&self, experiment: &Experiment, run: usize, parameters: &[f64]) -> f64 {
+        let law: Law<f64> = self.law_with(parameters);
+        let run = &experiment.runs[run];
+        let mean = |x: &[f64]| x.iter().map(|v| v.abs()).sum::<f64>() / x.len().max(1) as f64;
+        let sum = run.velocity_m_s.iter().sum::<f64>();
+        let speed = mean(&run.velocity_m_s).copysign(sum);
+        let (low, high) = (0.99 * speed, 1.01 * speed);
+        if speed == 0.0 {
+            return 0.0;
+        }
+        let rise = law.steady_coefficient(high) - law.steady_coefficient(low);
+        mean(&run.load_n) * rise / (high - low)
     }
 
     /// The law with these parameters (of the whole vector).

@@ -172,3 +172,31 @@ fn a_cord_without_mass_has_a_derivative_at_the_null() {
     let (coarse, fine) = (error(1e-4), error(1e-5));
     assert!(fine < 0.02 && fine < 0.3 * coarse, "{coarse} {fine}");
 }
+
+#[test]
+fn repeats_share_their_mechanics_and_runs_between_them_do_not() {
+    let t = time(120, 1.0 / 60.0);
+    let (slow, fast) = (ramp(&t, 0.006), ramp(&t, 0.012));
+    let spring = || Box::new(Spring { mass_kg: 0.2 });
+    let p = [&BRISTLE[..], &[1e-3, 0.5]].concat();
+    let record = |velocities: &[&Vec<f64>]| {
+        let runs = velocities
+            .iter()
+            .enumerate()
+            .map(|(k, v)| run(&t, (*v).clone(), Some(LOAD), k + 1))
+            .collect();
+        let experiment = Experiment::new(&campaign(runs)).expect("moves");
+        let model =
+            Model::new(LawKind::AsymmetricBristle, vec![spring()], &experiment).expect("model");
+        let twins: Vec<usize> = experiment.runs.iter().map(|run| run.twin).collect();
+        (twins, model.predict(&experiment, &p))
+    };
+    let (twins, together) = record(&[&slow, &fast, &slow]);
+    assert_eq!(twins, [0, 1, 0]);
+    let (alone, other) = (record(&[&slow]).1, record(&[&fast]).1);
+    let n = t.len();
+    assert_eq!(together[..n], together[2 * n..]);
+    assert!(largest(&together[2 * n..], &alone) < 1e-5);
+    assert!(largest(&together[n..2 * n], &other) < 1e-5);
+    assert!(largest(&alone, &other) > 1e-2);
+}

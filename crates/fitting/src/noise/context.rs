@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use super::ring::Ring;
+
 /// Plain numbers a sample, stacked run after run.
 #[derive(Clone, Debug)]
 pub struct Context {
@@ -13,6 +15,8 @@ pub struct Context {
     pub place: Vec<f64>,
     /// Signed friction force that roughness and scatter multiply, N (or N m, or 1 for mu).
     pub scale: Vec<f64>,
+    /// The resonance through which each run's roughness reaches the record; empty where there is none.
+    pub ring: Vec<Option<Ring>>,
 }
 
 /// Sizes of the parts of the noise, see (N1).
@@ -31,6 +35,15 @@ pub struct Sizes {
 }
 
 impl Context {
+    /// Takes each run's resonance out of a record of all samples.
+    pub(super) fn take_ring_out(&self, column: &mut [f64]) {
+        for (run, ring) in self.runs.iter().zip(&self.ring) {
+            if let Some(ring) = ring {
+                ring.take_out(&mut column[run.clone()]);
+            }
+        }
+    }
+
     /// Number of samples.
     pub fn samples(&self) -> usize {
         self.scale.len()

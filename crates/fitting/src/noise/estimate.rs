@@ -76,7 +76,12 @@ pub fn estimate(
     mean.view_mut((0, p), (n, q)).copy_from(within);
     mean.view_mut((0, p + q), (n, gains.ncols()))
         .copy_from(&gains);
-    let criterion = Criterion::new(context, &mean, residual);
+    let mut struck = residual.clone();
+    context.take_ring_out(struck.as_mut_slice());
+    for column in mean.as_mut_slice().chunks_mut(n.max(1)) {
+        context.take_ring_out(column);
+    }
+    let criterion = Criterion::new(context, &mean, &struck);
     let plate_separable = context.shared_places() > 0.05;
     let frame = Frame::new(context, &criterion, options, plate_separable);
 

@@ -22,6 +22,7 @@ mod context;
 mod estimate;
 mod plate;
 mod restricted;
+mod ring;
 mod rotations;
 mod scatter;
 mod search;
@@ -31,5 +32,6 @@ mod whitener;
 
 pub use context::{Context, Sizes};
 pub use estimate::{EstimateOptions, NoiseModel, estimate};
+pub use ring::Ring;
 pub use scatter::ScatterEvidence;
 pub use whitener::Whitener;

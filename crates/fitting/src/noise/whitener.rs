@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use super::along::Along;
 use super::context::{Context, Sizes};
 use super::plate::{Grid, Rows};
+use super::ring::Ring;
 use super::rotations::Rotations;
 use super::scatter::gain_columns;
 
@@ -28,6 +29,8 @@ pub struct Whitener {
     along: Arc<Along>,
     rotations: Option<Arc<Rotations>>,
     scatter: Option<ScatterRoot>,
+    /// Resonances that are taken out first, with the samples of their runs.
+    rings: Vec<(Range<usize>, Ring)>,
     log_det: f64,
 }
 
@@ -53,6 +56,12 @@ impl Whitener {
         let grid = Grid::new(context, sizes.length / NODES_PER_LENGTH);
         let along = Along::new(context, sizes, grid.unresolved(sizes.length));
         let mut log_det = along.log_det;
+        let rings: Vec<(Range<usize>, Ring)> = (context.runs.iter().zip(&context.ring))
+            .filter_map(|(run, ring)| ring.map(|ring| (run.clone(), ring)))
+            .collect();
+        for (run, ring) in &rings {
+            log_det -= 2.0 * ring.log_det(run.len());
+        }
         let rotations = (sizes.plate > 0.0).then(|| {
             let rows = Rows::new(context, sizes, &grid, &along);
             Arc::new(Rotations::new(&rows, &grid, sizes))
@@ -62,6 +71,7 @@ impl Whitener {
             along: Arc::new(along),
             rotations,
             scatter: None,
+            rings,
             log_det,
         };
         if sizes.scatter > 0.0 {
@@ -127,10 +137,18 @@ impl Whitener {
             rotations.whiten_transposed(column);
         }
         self.along.whiten_transposed(column);
+        for (run, ring) in &self.rings {
+            ring.take_out_transposed(&mut column[run.clone()]);
+        }
         out
     }
 
     fn sweep(&self, columns: &mut [&mut [f64]]) {
+        for column in columns.iter_mut() {
+            for (run, ring) in &self.rings {
+                ring.take_out(&mut column[run.clone()]);
+            }
+        }
         self.along.whiten(columns);
         if let Some(rotations) = &self.rotations {
             rotations.whiten(columns);
