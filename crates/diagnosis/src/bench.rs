@@ -371,6 +371,14 @@ impl<'a> Bench<'a> {
         })
     }
 
+    /// Samples whose mechanics must be computed, runs with the same motion counted once.
+    pub(crate) fn mechanics(&self) -> usize {
+        let runs = self.experiment.runs.iter().enumerate();
+        runs.filter(|(k, run)| run.twin == *k)
+            .map(|(_, run)| run.len())
+            .sum()
+    }
+
     /// Sizes to begin with, before any residual is known.
     pub(crate) fn first_sizes(&self) -> Sizes {
         let n = self.samples.len() as f64;

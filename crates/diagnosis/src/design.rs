@@ -10,6 +10,7 @@ use crate::bench::{Fitted, Stand, Subset};
 use crate::diagnose::{DiagnosisError, Options, bench};
 use crate::equivalence::sine;
 use crate::floor;
+use crate::intervals::unit_on_rig;
 use crate::scan::scan_nominal;
 use crate::selection::ALPHA_NAME;
 use crate::tail::equivalent_z;
@@ -99,7 +100,7 @@ pub fn design(campaign: &Campaign, options: &Options) -> Result<Design, Diagnosi
                 cause: cause.id().into(),
                 parameter: spec.name.to_string(),
                 size: sd.map(|s| s * limit * search).filter(|s| s.is_finite()),
-                unit: spec.unit.to_string(),
+                unit: unit_on_rig(&bench, &spec.unit),
             }
         })
         .collect();
@@ -116,7 +117,7 @@ pub fn design(campaign: &Campaign, options: &Options) -> Result<Design, Diagnosi
         cause: bench.catalogue[c].id().into(),
         parameter: bench.catalogue[c].parameters()[0].name.to_string(),
         size: None,
-        unit: bench.catalogue[c].parameters()[0].unit.to_string(),
+        unit: unit_on_rig(&bench, &bench.catalogue[c].parameters()[0].unit),
     }));
     let mut undecidable = ties::ties(&bench, &stand, &found, sizes.scatter);
     undecidable.extend(ties::lacking(&bench));

@@ -543,7 +543,7 @@ fn hidden(bench: &Bench<'_>, selected: &Selected) -> Vec<Hidden> {
                 cause: cause.id().into(),
                 parameter: spec.name.to_string(),
                 size: Some(threshold * sd * c.unit).filter(|s| s.is_finite()),
-                unit: spec.unit.to_string(),
+                unit: intervals::unit_on_rig(bench, &spec.unit),
             }
         })
         .collect()
@@ -577,11 +577,15 @@ fn model_file(bench: &Bench<'_>, stand: &Stand) -> ModelFile {
             .clone()
             .map(|i| span.clone().map(|j| entry(i, j)).collect())
             .collect();
-        file.extension.push(ModelFile::extension_entry(
+        let mut entry = ModelFile::extension_entry(
             bench.catalogue[stand.fitted.effects[k]].as_ref(),
             &stand.fitted.parameters[span],
             covariance.as_ref().map(|_| own.as_slice()),
-        ));
+        );
+        for parameter in &mut entry.parameters {
+            parameter.unit = intervals::unit_on_rig(bench, &parameter.unit);
+        }
+        file.extension.push(entry);
     }
     file
 }

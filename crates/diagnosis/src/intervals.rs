@@ -40,7 +40,6 @@ pub(crate) fn estimates(
         .collect();
     let freedom = stand.ground.scatter_freedom().max(1) as f64;
     let _ = subset;
-    let rotary = bench.experiment.axis == campaign::Axis::Rotary;
     cause
         .reported(own)
         .into_iter()
@@ -69,11 +68,7 @@ pub(crate) fn estimates(
                 name: reported.name.into(),
                 value: reported.value,
                 ci95,
-                unit: if rotary {
-                    rotary_unit(reported.unit)
-                } else {
-                    reported.unit.into()
-                },
+                unit: unit_on_rig(bench, reported.unit),
             }
         })
         .collect()
@@ -82,6 +77,14 @@ pub(crate) fn estimates(
 /// The 97.5 % quantile of Student's t.
 pub(crate) fn student(freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom.clamp(1.0, 1e6)).map_or(1.96, |t| t.inverse_cdf(0.975))
+}
+
+/// A unit of the catalogue as this campaign's rig reads it: N m, rad and kg m^2 for N, m and kg on a rotary one.
+pub(crate) fn unit_on_rig(bench: &Bench<'_>, unit: &str) -> String {
+    match bench.experiment.axis {
+        campaign::Axis::Rotary => rotary_unit(unit),
+        campaign::Axis::Linear => unit.to_owned(),
+    }
 }
 
 /// Units of a linear rig read on a rotary one.
@@ -94,8 +97,34 @@ fn rotary_unit(unit: &str) -> String {
             "m/N" => "rad/(N m)",
             "1/m" => "1/rad",
             "N/s" => "N m/s",
+            "s/m" => "s/rad",
+            "s^2/m^2" => "s^2/rad^2",
             other => other,
         })
         .collect::<Vec<_>>()
         .join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::rotary_unit;
+    use crate::causes;
+
+    #[test]
+    fn no_length_or_force_of_a_linear_rig_is_left_on_a_rotary_one() {
+        for cause in causes::catalogue() {
+            for spec in cause.parameters() {
+                let unit = rotary_unit(&spec.unit);
+                let bare = unit
+                    .replace("N m", "torque")
+                    .replace("kg m^2", "inertia")
+                    .replace("rad", "angle");
+                let linear = bare
+                    .split(|c: char| !c.is_ascii_alphabetic())
+                    .any(|word| matches!(word, "m" | "N" | "kg"));
+                assert!(!linear, "{}: {} -> {unit}", cause.id(), spec.unit);
+            }
+        }
+        assert_eq!(rotary_unit("N s/m"), "N m s/rad");
+    }
 }

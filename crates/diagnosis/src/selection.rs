@@ -19,6 +19,8 @@ use crate::uniform::is_uniform;
 pub(crate) const ALPHA_NAME: f64 = 0.004;
 /// The same for the general alternative.
 pub(crate) const ALPHA_GENERAL: f64 = 0.004;
+/// Samples, repeats counted once, up to which a mass on a cord is fitted from several starts.
+const MOST_SAMPLES_AFRESH: usize = 15_000;
 /// Most causes that are named together.
 const MOST_EFFECTS: usize = 4;
 /// Joint fits tried in each round.
@@ -147,11 +149,17 @@ fn joint_fits(
                 .filter_map(|own| extended(bench, &stand.fitted, candidate.cause, own))
                 .map(|(_, start)| start)
                 .collect();
+            let mut limit = 20;
             if is_dear(bench, candidate.cause) {
-                from.extend(afresh(bench, subset, stand, candidate, &whitener));
+                if bench.mechanics() > MOST_SAMPLES_AFRESH {
+                    from.truncate(1);
+                    limit = 8;
+                } else {
+                    from.extend(afresh(bench, subset, stand, candidate, &whitener));
+                }
             }
             for start in from {
-                let Some(fit) = bench.fit(subset, &effects, &start, &whitener, None, 20) else {
+                let Some(fit) = bench.fit(subset, &effects, &start, &whitener, None, limit) else {
                     continue;
                 };
                 let deviance = stand.deviance_of(bench, subset, &fit);
