@@ -155,16 +155,22 @@ impl Family<'_> {
             .collect()
     }
 
+    /// Golden section, to a hundredth of a spacing: a joint fit goes on from there.
     fn sharpen(&self, frequency: f64, g: &DVector<f64>) -> f64 {
         let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
         let mut lo = (frequency - self.spacing).max(0.5 * self.band.0);
         let mut hi = frequency + self.spacing;
-        for _ in 0..24 {
-            let (a, b) = (hi - ratio * (hi - lo), lo + ratio * (hi - lo));
-            if self.power(a, g) > self.power(b, g) {
-                hi = b;
+        let (mut a, mut b) = (hi - ratio * (hi - lo), lo + ratio * (hi - lo));
+        let (mut at_a, mut at_b) = (self.power(a, g), self.power(b, g));
+        while hi - lo > 0.01 * self.spacing {
+            if at_a > at_b {
+                (hi, b, at_b) = (b, a, at_a);
+                a = hi - ratio * (hi - lo);
+                at_a = self.power(a, g);
             } else {
-                lo = a;
+                (lo, a, at_a) = (a, b, at_b);
+                b = lo + ratio * (hi - lo);
+                at_b = self.power(b, g);
             }
         }
         0.5 * (lo + hi)

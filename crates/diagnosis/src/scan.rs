@@ -190,6 +190,27 @@ pub(crate) fn scan_nominal(
     scan_with(bench, subset, stand, &peaks, &[])
 }
 
+/// Raw columns of the causes without a period beside a fit, one tangent each: what the noise's mean may hold.
+pub(crate) fn smooth_beside(bench: &Bench<'_>, fitted: &Fitted) -> DMatrix<f64> {
+    let tasks: Vec<Task> = tasks(bench, fitted, &Peaks::none(), &[])
+        .tasks
+        .into_iter()
+        .filter(|(cause, _, is_chord)| !is_chord && !bench.catalogue[*cause].is_periodic())
+        .collect();
+    // A cause's further shapes are only asked where its first has no finite tangent.
+    let groups: Vec<&[Task]> = tasks.chunk_by(|a, b| a.0 == b.0).collect();
+    let found: Vec<Option<Signature>> = groups
+        .par_iter()
+        .map(|group| {
+            group
+                .iter()
+                .find_map(|(cause, at, _)| tangent(bench, fitted, *cause, at))
+        })
+        .collect();
+    let signatures: Vec<Signature> = found.into_iter().flatten().collect();
+    smooth_columns(bench, &signatures)
+}
+
 fn scan_with(
     bench: &Bench<'_>,
     subset: &Subset,
@@ -198,7 +219,61 @@ fn scan_with(
     skipped: &[usize],
 ) -> Scan {
     let fitted = &stand.fitted;
-    let mut tasks: Vec<(usize, Vec<f64>, bool)> = Vec::new();
+    let Tasks {
+        tasks,
+        paths,
+        shifts,
+    } = tasks(bench, fitted, peaks, skipped);
+    let signatures: Vec<Option<Signature>> = tasks
+        .par_iter()
+        .map(|(cause, at, is_chord)| {
+            if *is_chord {
+                chord(bench, fitted, *cause, at)
+            } else {
+                tangent(bench, fitted, *cause, at)
+            }
+        })
+        .collect();
+    let signatures: Vec<Signature> = signatures.into_iter().flatten().collect();
+    let smooth = smooth_columns(bench, &signatures);
+    let rays: Vec<Option<(Ray, Score)>> = signatures
+        .into_par_iter()
+        .map(|signature| {
+            let white = stand.whiten(subset, &signature.columns);
+            let direction = stand.ground.direction(&white)?;
+            let score = stand.ground.score(&direction);
+            Some((
+                Ray {
+                    cause: signature.cause,
+                    at: signature.at,
+                    chord: signature.chord,
+                    direction,
+                },
+                score,
+            ))
+        })
+        .collect();
+    let rays: Vec<(Ray, Score)> = rays.into_iter().flatten().collect();
+    let mut found = collect(bench, rays, &tasks, &paths, smooth);
+    found.absorbed.extend(shifts);
+    found.sizes = Some(stand.sizes);
+    found
+}
+
+/// Cause, its parameters, and whether the signature is a chord (else a tangent).
+type Task = (usize, Vec<f64>, bool);
+
+/// The signatures that a scan asks for.
+struct Tasks {
+    tasks: Vec<Task>,
+    /// Path length of the search over each cause's period.
+    paths: Vec<f64>,
+    /// Causes that are the law's own parameters under another name.
+    shifts: Vec<usize>,
+}
+
+fn tasks(bench: &Bench<'_>, fitted: &Fitted, peaks: &Peaks, skipped: &[usize]) -> Tasks {
+    let mut tasks: Vec<Task> = Vec::new();
     let mut paths: Vec<f64> = vec![0.0; bench.catalogue.len()];
     let mut shifts: Vec<usize> = Vec::new();
     let dear = fitted.effects.iter().any(|&e| is_dear(bench, e));
@@ -254,47 +329,18 @@ fn scan_with(
             tasks.push((cause, at, true));
         }
     }
-    let signatures: Vec<Option<Signature>> = tasks
-        .par_iter()
-        .map(|(cause, at, is_chord)| {
-            if *is_chord {
-                chord(bench, fitted, *cause, at)
-            } else {
-                tangent(bench, fitted, *cause, at)
-            }
-        })
-        .collect();
-    let signatures: Vec<Signature> = signatures.into_iter().flatten().collect();
-    let smooth = smooth_columns(bench, &signatures);
-    let rays: Vec<Option<(Ray, Score)>> = signatures
-        .into_par_iter()
-        .map(|signature| {
-            let white = stand.whiten(subset, &signature.columns);
-            let direction = stand.ground.direction(&white)?;
-            let score = stand.ground.score(&direction);
-            Some((
-                Ray {
-                    cause: signature.cause,
-                    at: signature.at,
-                    chord: signature.chord,
-                    direction,
-                },
-                score,
-            ))
-        })
-        .collect();
-    let rays: Vec<(Ray, Score)> = rays.into_iter().flatten().collect();
-    let mut found = collect(bench, rays, &tasks, &paths, smooth);
-    found.absorbed.extend(shifts);
-    found.sizes = Some(stand.sizes);
-    found
+    Tasks {
+        tasks,
+        paths,
+        shifts,
+    }
 }
 
 /// Best ray of each cause, with its path paid for.
 fn collect(
     bench: &Bench<'_>,
     rays: Vec<(Ray, Score)>,
-    tasks: &[(usize, Vec<f64>, bool)],
+    tasks: &[Task],
     paths: &[f64],
     smooth: DMatrix<f64>,
 ) -> Scan {

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use crate::bench::{Bench, Fitted, Stand, Subset};
 use crate::general::{self, Lack};
-use crate::scan::{Candidate, Scan, extended, scan, scan_without};
+use crate::scan::{Candidate, Scan, extended, scan, scan_without, smooth_beside};
 use crate::uniform::is_uniform;
 
 /// Family-wise probability of naming a cause where there is none: half of the campaign's one percent.
@@ -95,16 +95,16 @@ fn baseline(bench: &Bench<'_>, subset: &Subset, warm: Option<&Warm>) -> Option<(
     };
     let mut sizes = first_sizes;
     let mut stand = Stand::new(bench, subset, fitted.clone(), sizes);
-    let mut found = scan(bench, subset, &stand, sizes.scatter);
     let rounds = if warm.is_some() { 1 } else { 2 };
     for round in 0..rounds {
         let start = (warm.is_some() || round > 0).then_some(sizes);
-        let noise = bench.noise(subset, &fitted, &stand.jacobian, &found.smooth, start);
+        let smooth = smooth_beside(bench, &fitted);
+        let noise = bench.noise(subset, &fitted, &stand.jacobian, &smooth, start);
         sizes = noise.sizes;
         fitted = refit(bench, subset, &fitted, &sizes)?;
         stand = Stand::new(bench, subset, fitted.clone(), sizes);
-        found = scan(bench, subset, &stand, likely_scatter(&stand));
     }
+    let found = scan(bench, subset, &stand, likely_scatter(&stand));
     Some((stand, found))
 }
 
