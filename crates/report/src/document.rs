@@ -100,6 +100,8 @@ pub struct Run {
     pub target: String,
     /// When the run started, ISO 8601.
     pub started: String,
+    /// When the last stage ended, ISO 8601; empty where it is not known.
+    pub finished: String,
     /// Seconds by stage or claim.
     pub seconds: BTreeMap<String, f64>,
     /// Address of the run in continuous integration.

@@ -11,18 +11,23 @@ use report::Run;
 /// Facts about the run that started now; `seconds` are filled in by whoever has them.
 #[must_use]
 pub fn run(root: &Path) -> Run {
-    let started = SystemTime::now()
-        .duration_since(UNIX_EPOCH)
-        .map_or(0, |since| since.as_secs());
     Run {
         commit: git(root, &["rev-parse", "HEAD"]).unwrap_or_else(|| "unknown".to_owned()),
         dirty: git(root, &["status", "--porcelain"]).is_none_or(|changes| !changes.is_empty()),
         rustc: env!("BRISTLE_RUSTC").to_owned(),
         target: env!("BRISTLE_TARGET").to_owned(),
-        started: iso_8601(started),
+        started: now(),
+        finished: String::new(),
         seconds: BTreeMap::new(),
         link: link(),
     }
+}
+
+/// The time in ISO 8601, to the second.
+#[must_use]
+pub fn now() -> String {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH);
+    iso_8601(since.map_or(0, |since| since.as_secs()))
 }
 
 /// What git says about the repository; `None` without git or outside a repository.

@@ -14,6 +14,9 @@ use crate::Document;
 /// Name of the script that repeats the run; it is the workflow of the RO-Crate.
 pub const WORKFLOW: &str = "reproduce.sh";
 
+/// Name of the file that says what lies in the output folder.
+pub const README: &str = "README.md";
+
 /// One file of the output folder.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OutputFile {
@@ -27,6 +30,21 @@ pub struct OutputFile {
     pub sha256: String,
     /// Its size.
     pub bytes: u64,
+}
+
+/// What lies in the output folder, to be written as [`README`] beside `files`.
+#[must_use]
+pub fn readme(document: &Document, files: &[OutputFile]) -> String {
+    let mut text = format!(
+        "# {}\n\nMade by `{}` ({}). Open `report.html` in a browser; everything else is for programs.\n\n",
+        document.title, document.header.command, document.header.program
+    );
+    text.push_str("| file | what it holds |\n|---|---|\n");
+    for file in files {
+        let description = file.description.replace('|', "\\|");
+        text.push_str(&format!("| `{}` | {description} |\n", file.path));
+    }
+    text
 }
 
 /// The script that repeats the run from a clone of the repository: to be written as [`WORKFLOW`].

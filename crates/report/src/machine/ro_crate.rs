@@ -3,7 +3,7 @@
 
 use serde_json::{Value, json};
 
-use super::{OutputFile, WORKFLOW};
+use super::{OutputFile, README, WORKFLOW};
 use crate::{Document, Error, Verdict, identity};
 
 const PROFILES: [(&str, &str, &str); 3] = [
@@ -24,6 +24,7 @@ const PROFILES: [(&str, &str, &str); 3] = [
     ),
 ];
 const BIOSCHEMAS: &str = "https://bioschemas.org/profiles/ComputationalWorkflow/1.0-RELEASE";
+const AUTHORS: &str = "#authors";
 const LICENSE: &str = "https://spdx.org/licenses/MIT";
 
 /// The metadata of the crate. `files` are all files of the folder, [`WORKFLOW`] among them, without the metadata itself.
@@ -105,6 +106,8 @@ fn root(document: &Document, files: &[OutputFile]) -> Value {
         "hasPart": one_or_many(parts),
         "mainEntity": { "@id": WORKFLOW },
         "mentions": { "@id": "#run" },
+        "author": { "@id": AUTHORS },
+        "publisher": { "@id": AUTHORS },
         "identifier": format!("sha256:{}", identity(&document.results)),
     });
     if let Some(doi) = &document.subject.doi {
@@ -191,6 +194,9 @@ fn workflow(document: &Document) -> Vec<Value> {
             "workExample": { "@id": "report.html" },
         }),
     ];
+    for application in [0, 2] {
+        link(&mut out[application], document);
+    }
     out.extend(document.header.inputs.iter().map(|input| {
         json!({
             "@id": parameter_id(&input.path),
@@ -224,16 +230,32 @@ fn action(document: &Document, files: &[OutputFile]) -> Vec<Value> {
         "instrument": { "@id": WORKFLOW },
         "object": one_or_many(objects),
         "result": one_or_many(results),
-        "agent": { "@id": "#program-agent" },
+        "agent": { "@id": AUTHORS },
         "actionStatus": "http://schema.org/CompletedActionStatus",
     });
     if !document.run.started.is_empty() {
-        action["startTime"] = json!(document.run.started);
+        action["startTime"] = json!(with_offset(&document.run.started));
     }
-    vec![
-        action,
-        json!({ "@id": "#program-agent", "@type": "Organization", "name": document.header.program }),
-    ]
+    if !document.run.finished.is_empty() {
+        action["endTime"] = json!(with_offset(&document.run.finished));
+    }
+    let mut authors =
+        json!({ "@id": AUTHORS, "@type": "Organization", "name": "The Bristle authors" });
+    link(&mut authors, document);
+    vec![action, authors]
+}
+
+/// The profile asks for times with an offset in digits.
+fn with_offset(time: &str) -> String {
+    time.strip_suffix('Z')
+        .map_or_else(|| time.to_owned(), |time| format!("{time}+00:00"))
+}
+
+/// The public address of the repository, where it is known, as the `url` of an entity.
+fn link(entity: &mut Value, document: &Document) {
+    if let Some(repository) = &document.header.repository {
+        entity["url"] = json!(repository);
+    }
 }
 
 fn file_entity(file: &OutputFile) -> Value {
@@ -248,6 +270,9 @@ fn file_entity(file: &OutputFile) -> Value {
     });
     if file.path == "report.html" {
         entity["exampleOfWork"] = json!({ "@id": "#output-report" });
+    }
+    if file.path == README {
+        entity["about"] = json!({ "@id": "./" });
     }
     entity
 }

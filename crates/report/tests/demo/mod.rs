@@ -542,6 +542,7 @@ pub fn document() -> Document {
             rustc: "rustc 1.95.0".into(),
             target: "x86_64-unknown-linux-gnu".into(),
             started: "2024-01-01T00:00:00Z".into(),
+            finished: "2024-01-01T00:01:00Z".into(),
             seconds: [("C02".to_string(), 0.8), ("validation".to_string(), 3.2)].into(),
             link: None,
         },

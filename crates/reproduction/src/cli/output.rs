@@ -133,6 +133,13 @@ fn beside(folder: &mut Folder<'_>, document: &Document) -> Result<(), Failure> {
         "CODECHECK manifest",
         &codecheck,
     )?;
+    let readme = machine::readme(document, &folder.written);
+    folder.write(
+        machine::README,
+        "text/markdown",
+        "what lies in this folder",
+        &readme,
+    )?;
     let crate_text = machine::ro_crate(document, &folder.written).map_err(Failure::output)?;
     folder.write(
         "ro-crate-metadata.json",

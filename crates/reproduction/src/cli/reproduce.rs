@@ -110,6 +110,7 @@ pub(super) fn run(arguments: &ReproduceArguments) -> Result<Outcome, Failure> {
     let out = out(&inputs.root, &arguments.out);
     let mut run = provenance::run(&inputs.root);
     let results = inputs.run(&stages, &out, model.as_ref(), arguments.quick)?;
+    run.finished = provenance::now();
     run.seconds = results.seconds(|claim| needed(&all, claim));
     let drift = arguments
         .against

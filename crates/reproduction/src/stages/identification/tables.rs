@@ -143,20 +143,23 @@ fn weakest(materials: &[Identified]) -> Evidence {
     }
 }
 
+/// Parameters that move with the lean.
+const BESIDE_THE_LEAN: [&str; 6] = [
+    "theta_c_over_sigma",
+    "theta_s_over_sigma",
+    "sigma0",
+    "sigma1",
+    "sigma2",
+    "omega_sc",
+];
+
 pub(super) fn held_leans(one: &Identified, leans: &[HeldLean]) -> Table {
     let row = |name: Cell, found: &identification::Identification| {
         let mut cells = vec![
             name,
             Cell::Digits(found.value("theta0").unwrap_or(f64::NAN), 3),
         ];
-        for parameter in [
-            "theta_c_over_sigma",
-            "theta_s_over_sigma",
-            "sigma0",
-            "sigma1",
-            "sigma2",
-            "omega_sc",
-        ] {
+        for parameter in BESIDE_THE_LEAN {
             cells.push(Cell::Digits(found.value(parameter).unwrap_or(f64::NAN), 4));
         }
         cells.push(Cell::Digits(found.quality.rmse, 3));
@@ -176,14 +179,7 @@ pub(super) fn held_leans(one: &Identified, leans: &[HeldLean]) -> Table {
         Column::text("theta0 held at the lean of"),
         Column::number(symbol("theta0"), "rad"),
     ];
-    for name in [
-        "theta_c_over_sigma",
-        "theta_s_over_sigma",
-        "sigma0",
-        "sigma1",
-        "sigma2",
-        "omega_sc",
-    ] {
+    for name in BESIDE_THE_LEAN {
         let unit = one.found.estimate(name).map_or("", |e| e.unit.as_str());
         columns.push(Column::number(symbol(name), unit));
     }
