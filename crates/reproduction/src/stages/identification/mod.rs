@@ -13,7 +13,7 @@ use campaign::Campaign;
 use friction::LawKind;
 use identification::{
     Identification as Found, LawFit, PaperForm, Question, compare_laws, identify, in_paper_form,
-    resample_runs,
+    least_sd, resample_runs,
 };
 use rayon::prelude::*;
 use report::{Block, Evidence, NoticeKind, Section};
@@ -43,6 +43,8 @@ pub(super) struct Identified {
     pub(super) found: Found,
     pub(super) bootstrap: Option<fitting::Bootstrap>,
     pub(super) evidence: Evidence,
+    /// The least standard deviations that its records allow under the estimated noise.
+    least_sd: Option<Vec<f64>>,
 }
 
 /// The law with theta0 held at one of the leans that the published steady coefficients ask for.
@@ -84,6 +86,8 @@ fn identified(
     let question = Question::of(LawKind::AsymmetricBristle);
     let found = identify(&campaign, &question).map_err(failed)?;
     let (seed, draws) = BOOTSTRAP;
+    let values: Vec<f64> = found.estimates.iter().map(|e| e.value).collect();
+    let least_sd = least_sd(&campaign, found.law, &values, &found.noise.sizes).map_err(failed)?;
     Ok(Identified {
         material,
         experiment: Experiment::new(&campaign).map_err(failed)?,
@@ -91,6 +95,7 @@ fn identified(
         evidence: crate::evidence_of(campaign.provenance),
         campaign,
         found,
+        least_sd,
     })
 }
 
@@ -273,6 +278,7 @@ fn section(
         figures::residual(aluminium).into(),
         tables::parameters(aluminium).into(),
         Block::prose(FIT_WORDS),
+        tables::widths(materials).into(),
         tables::noise(materials).into(),
         Block::heading("identification-known", "What the data determine"),
         figures::profiles(aluminium).into(),

@@ -87,6 +87,48 @@ pub(super) fn parameters(one: &Identified) -> Table {
     }
 }
 
+/// Half widths beside the least that the records allow.
+pub(super) fn widths(materials: &[Identified]) -> Table {
+    let normal = fitting::criteria::t_quantile(identification::LEVEL, f64::INFINITY);
+    let percent = |half: Option<f64>, value: f64, why: &str| match half {
+        Some(half) if half.is_finite() && value != 0.0 => {
+            Cell::Digits(100.0 * half / value.abs(), 2)
+        }
+        _ => Cell::Missing(why.into()),
+    };
+    let rows = materials
+        .iter()
+        .flat_map(|one| {
+            one.found.estimates.iter().enumerate().map(move |(j, e)| {
+                let half = e
+                    .interval
+                    .as_ref()
+                    .map(|i| (i.high() - e.value).max(e.value - i.low()));
+                let least = one.least_sd.as_ref().map(|all| normal * all[j]);
+                vec![
+                    Cell::Prose(format!("{}, {}", one.material, symbol(&e.name)).into()),
+                    percent(half, e.value, "open or at zero"),
+                    percent(least, e.value, "no bound, or at zero"),
+                ]
+            })
+        })
+        .collect();
+    Table {
+        id: "identified-widths".into(),
+        title: "How narrow the intervals are, and how narrow they can be".into(),
+        caption: "Half widths of the 95 % intervals in percent of the value. Least: the Cramér-Rao bound of these motions under the estimated noise, if that noise were known; a parameter that lies on a bound leaves less open than it allows for. Where both are wide the protocol lacks the information: another record would help, another estimator would not.".into(),
+        columns: vec![
+            Column::text("counterface, parameter"),
+            Column::number("half width", "%"),
+            Column::number("least", "%"),
+        ],
+        rows,
+        evidence: Some(weakest(materials)),
+        claims: ["C01", "C06"].map(String::from).to_vec(),
+        ..Table::default()
+    }
+}
+
 fn words(verdict: Verdict, at_bound: bool) -> String {
     match (verdict, at_bound) {
         (_, true) => "on its bound: one-sided".into(),
