@@ -313,6 +313,12 @@ impl Residuals for Problem<'_> {
 }
 
 impl<'a> Bench<'a> {
+    /// Names of a subset's runs.
+    pub(crate) fn run_names(&self, subset: &Subset) -> Vec<String> {
+        let name = |&k: &usize| self.campaign.runs[k].name.clone();
+        subset.runs.iter().map(name).collect()
+    }
+
     /// The model of the law with these effects.
     pub(crate) fn model(&self, effects: &[usize]) -> Option<Model> {
         let effects = effects.iter().map(|&i| self.catalogue[i].boxed()).collect();

@@ -1,7 +1,7 @@
 //! Searching a residual for periods: in position (texture, a drive's pitch) and in time (an oscillating load).
 //!
-//! A periodic effect multiplies an envelope e_i (the friction force, or the force's answer to speed) by
-//! cos(2 pi f x_i) and sin(2 pi f x_i). Its score needs u = S'W'V^-1 y, one pass over the samples a frequency with the
+//! A periodic effect multiplies an envelope e_i (the friction force, or the force's answer to speed, complex where it
+//! answers late) by exp(2 pi i f x_i); real and imaginary part are its two columns. Its score needs u = S'W'V^-1 y, one pass over the samples a frequency with the
 //! vector g = W'(projection)V^-1 y kept. The variance of u changes slowly with f: it is computed exactly on a coarse
 //! set of frequencies and interpolated. Peaks found so are tested exactly, the search paid for by its path length.
 
@@ -12,8 +12,10 @@ use rayon::prelude::*;
 pub(crate) struct Family<'a> {
     /// Position in m or time in s, a sample.
     pub(crate) coordinate: &'a [f64],
-    /// What the period multiplies.
-    pub(crate) envelope: &'a [f64],
+    /// What the period multiplies, in phase with it.
+    pub(crate) along: &'a [f64],
+    /// The same a quarter of a period behind: a contact with a memory answers late, the more so the slower it slides.
+    pub(crate) across: &'a [f64],
     /// Lowest and highest frequency, 1/m or Hz.
     pub(crate) band: (f64, f64),
     /// Spacing of frequencies: half a cycle over the longest stretch.
@@ -41,12 +43,12 @@ impl Family<'_> {
 
     /// Cosine and sine columns of one frequency.
     pub(crate) fn columns(&self, frequency: f64) -> DMatrix<f64> {
-        let n = self.envelope.len();
+        let n = self.along.len();
         let mut out = DMatrix::zeros(n, 2);
         for i in 0..n {
             let (sin, cos) = (std::f64::consts::TAU * frequency * self.coordinate[i]).sin_cos();
-            out[(i, 0)] = self.envelope[i] * cos;
-            out[(i, 1)] = self.envelope[i] * sin;
+            out[(i, 0)] = self.along[i] * cos - self.across[i] * sin;
+            out[(i, 1)] = self.along[i] * sin + self.across[i] * cos;
         }
         out
     }
@@ -54,11 +56,11 @@ impl Family<'_> {
     /// |S'g|^2 of one frequency.
     fn power(&self, frequency: f64, g: &DVector<f64>) -> f64 {
         let (mut a, mut b) = (0.0, 0.0);
-        for i in 0..self.envelope.len() {
+        for i in 0..self.along.len() {
             let (sin, cos) = (std::f64::consts::TAU * frequency * self.coordinate[i]).sin_cos();
-            let x = self.envelope[i] * g[i];
-            a += x * cos;
-            b += x * sin;
+            let (x, y) = (self.along[i] * g[i], self.across[i] * g[i]);
+            a += x * cos - y * sin;
+            b += x * sin + y * cos;
         }
         a * a + b * b
     }
@@ -66,12 +68,10 @@ impl Family<'_> {
     /// |S'g|^2 of all frequencies: within a stretch of them each sample's phase turns by a fixed angle a frequency.
     fn powers(&self, count: usize, g: &DVector<f64>) -> Vec<f64> {
         const STRETCH: usize = 64;
-        let x: Vec<f64> = self
-            .envelope
-            .iter()
-            .zip(g.iter())
-            .map(|(e, g)| e * g)
-            .collect();
+        let weighed = |envelope: &[f64]| -> Vec<f64> {
+            envelope.iter().zip(g.iter()).map(|(e, g)| e * g).collect()
+        };
+        let (x, y) = (weighed(self.along), weighed(self.across));
         let turn: Vec<(f64, f64)> = self
             .coordinate
             .iter()
@@ -93,8 +93,8 @@ impl Family<'_> {
                     .map(|_| {
                         let (mut a, mut b) = (0.0, 0.0);
                         for i in 0..x.len() {
-                            a += x[i] * cos[i];
-                            b += x[i] * sin[i];
+                            a += x[i] * cos[i] - y[i] * sin[i];
+                            b += x[i] * sin[i] + y[i] * cos[i];
                             let (s, c) = turn[i];
                             (cos[i], sin[i]) = (cos[i] * c - sin[i] * s, sin[i] * c + cos[i] * s);
                         }

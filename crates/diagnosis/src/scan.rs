@@ -392,7 +392,7 @@ fn collect(
         candidates.push(Candidate {
             cause,
             starts,
-            log_p: look_elsewhere(&sobered(bench, cause, &best.1), path),
+            log_p: look_elsewhere(&best.1, path),
             unit: best.0.unit_size(bench).abs(),
             score: best.1.clone(),
         });
@@ -409,19 +409,6 @@ fn collect(
         absorbed,
         sizes: None,
     }
-}
-
-/// A line in time meets, in the fast part of every repeat, the same part of the plate's field that the grid leaves between its
-/// nodes (a twelfth of its variance) and that the whitening takes as private to each run. With three or more repeats that
-/// makes the variance of such a line up to 1.2 times what is reckoned: its statistic is lowered by as much.
-const SHARED_BETWEEN_NODES: f64 = 1.2;
-
-fn sobered(bench: &Bench<'_>, cause: usize, score: &Score) -> Score {
-    let mut score = score.clone();
-    if period(bench, cause).is_some_and(|p| p.1) && bench.catalogue[cause].is_periodic() {
-        score.log_p /= SHARED_BETWEEN_NODES;
-    }
-    score
 }
 
 /// Parameters of a cause at a ray's estimated size, inside its bounds.
@@ -530,21 +517,23 @@ impl Peaks {
                 if !(span > 0.0) || !(step > 0.0) {
                     return None;
                 }
-                let mut lines: Vec<(f64, f64)> = Vec::new();
-                let mut path = 0.0;
-                for envelope in envelopes(bench, subset, stand, cause, shape, coordinate, span) {
-                    let family = Family {
-                        coordinate,
-                        envelope: &envelope,
-                        // Lines closer than two samples of the fastest motion are aliases of slow ones there.
-                        band: (1.0 / span, 0.45 / step),
-                        spacing: 0.5 / span,
-                    };
-                    path += family.path();
-                    for peak in family.peaks(&g, &variance, 4) {
-                        lines.push((peak.statistic, peak.frequency));
-                    }
-                }
+                let (along, across) =
+                    envelope(bench, subset, stand, cause, shape, coordinate, span)?;
+                let family = Family {
+                    coordinate,
+                    along: &along,
+                    across: &across,
+                    // Lines closer than two samples of the fastest motion are aliases of slow ones there.
+                    // Slower ones than two in a run are no period.
+                    band: (2.0 / span, 0.45 / step),
+                    spacing: 0.5 / span,
+                };
+                let path = family.path();
+                let mut lines: Vec<(f64, f64)> = family
+                    .peaks(&g, &variance, 2 * MOST_LINES)
+                    .into_iter()
+                    .map(|peak| (peak.statistic, peak.frequency))
+                    .collect();
                 lines.sort_by(|a, b| b.0.total_cmp(&a.0));
                 let mut chosen: Vec<f64> = Vec::new();
                 for (_, frequency) in lines {
@@ -603,8 +592,8 @@ fn widest_step(samples: &Samples, x: &[f64]) -> f64 {
 }
 
 /// What a periodic cause's ripple multiplies: its tangent at a middling period, turned back by the ripple's own phase,
-/// in phase and, where it matters, a quarter of a period behind.
-fn envelopes(
+/// in phase and a quarter of a period behind.
+fn envelope(
     bench: &Bench<'_>,
     subset: &Subset,
     stand: &Stand,
@@ -612,7 +601,7 @@ fn envelopes(
     shape: usize,
     coordinate: &[f64],
     span: f64,
-) -> Vec<Vec<f64>> {
+) -> Option<(Vec<f64>, Vec<f64>)> {
     let effect = &bench.catalogue[cause];
     let specs = effect.parameters_for(&bench.experiment);
     let in_time = specs[shape].name.ends_with("_hz");
@@ -621,27 +610,17 @@ fn envelopes(
     let value: f64 = if in_time { frequency } else { 1.0 / frequency };
     at[shape] = value.clamp(specs[shape].lower, specs[shape].upper);
     let frequency = if in_time { at[shape] } else { 1.0 / at[shape] };
-    let Some(signature) = tangent(bench, &stand.fitted, cause, &at) else {
-        return Vec::new();
-    };
+    let signature = tangent(bench, &stand.fitted, cause, &at)?;
     let columns = subset.gather_columns(&signature.columns);
     if columns.ncols() < 2 {
-        return Vec::new();
+        return None;
     }
-    let (mut along, mut across) = (Vec::new(), Vec::new());
-    for (i, x) in coordinate.iter().enumerate() {
+    let turned_back = |(i, x): (usize, &f64)| {
         let (s, c) = (std::f64::consts::TAU * frequency * x).sin_cos();
-        along.push(columns[(i, 0)] * s + columns[(i, 1)] * c);
-        across.push(columns[(i, 0)] * c - columns[(i, 1)] * s);
-    }
-    let power = |x: &[f64]| x.iter().map(|v| v * v).sum::<f64>();
-    let (a, b) = (power(&along), power(&across));
-    let mut out = Vec::new();
-    if a > 0.05 * b {
-        out.push(along);
-    }
-    if b > 0.05 * a {
-        out.push(across);
-    }
-    out
+        (
+            columns[(i, 0)] * s + columns[(i, 1)] * c,
+            columns[(i, 0)] * c - columns[(i, 1)] * s,
+        )
+    };
+    Some(coordinate.iter().enumerate().map(turned_back).unzip())
 }

@@ -21,7 +21,7 @@ pub(crate) const ALPHA_NAME: f64 = 0.004;
 pub(crate) const ALPHA_GENERAL: f64 = 0.004;
 /// Samples, repeats counted once, up to which a mass on a cord is fitted from several starts.
 const MOST_SAMPLES_AFRESH: usize = 15_000;
-/// Most causes that are named together.
+/// Where this many causes together are needed, none is named: one cause outside the catalogue is likelier than so many in it.
 const MOST_EFFECTS: usize = 4;
 /// Joint fits tried in each round.
 const SURVIVORS: usize = 6;
@@ -317,7 +317,7 @@ pub(crate) fn select(
         let next = if round == 0 {
             next
         } else {
-            look_back(bench, subset, &base, next, &singles, &mut entry, threshold)?
+            look_back(bench, subset, next, &singles, &mut entry, threshold)?
         };
         chosen = Some(next);
     }
@@ -344,6 +344,7 @@ pub(crate) fn select(
         singles,
     };
     refuse_uneven(bench, subset, &mut selected);
+    refuse_beside_step(bench, subset, &mut selected, -2.0 * threshold);
     keep_dominant(bench, subset, &mut selected);
     Some(selected)
 }
@@ -362,7 +363,6 @@ fn settle(bench: &Bench<'_>, subset: &Subset, fit: &Fitted, found: &Scan) -> Opt
 fn look_back(
     bench: &Bench<'_>,
     subset: &Subset,
-    base: &Stand,
     pair: Stand,
     singles: &[Single],
     entry: &mut Vec<f64>,
@@ -399,26 +399,43 @@ fn look_back(
             return settle(bench, subset, &single.fitted, &found);
         }
     }
-    // Each cause against doing without it.
-    for k in 0..count {
-        let rest: Vec<usize> = (0..count)
-            .filter(|&j| j != k)
-            .map(|j| pair.fitted.effects[j])
-            .collect();
-        let start = without(&pair.fitted, k);
-        let context = subset.context_of(bench, &pair.fitted);
-        let whitener = pair.whitener.with_scatter(&context, pair.sizes.scatter);
-        let Some(fit) = bench.fit(subset, &rest, &start, &whitener, None, 20) else {
-            continue;
-        };
-        if pair.deviance_of(bench, subset, &fit) < pair.deviance + worth {
-            entry.remove(k.min(entry.len() - 1));
-            let found = Scan::empty(bench, Some(pair.sizes));
-            return settle(bench, subset, &fit, &found);
+    drop_idle(bench, subset, pair, entry, worth)
+}
+
+/// Each cause against doing without it: the one that is missed least goes, as long as one is worth less than it must be.
+fn drop_idle(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    mut stand: Stand,
+    entry: &mut Vec<f64>,
+    worth: f64,
+) -> Option<Stand> {
+    while stand.fitted.effects.len() > 1 {
+        let context = subset.context_of(bench, &stand.fitted);
+        let whitener = stand
+            .whitener
+            .with_scatter(&context, likely_scatter(&stand));
+        let mut least: Option<(f64, usize, Fitted)> = None;
+        for k in 0..stand.fitted.effects.len() {
+            let mut rest = stand.fitted.effects.clone();
+            rest.remove(k);
+            let start = without(&stand.fitted, k);
+            let Some(fit) = bench.fit(subset, &rest, &start, &whitener, None, 20) else {
+                continue;
+            };
+            let saved = stand.deviance_of(bench, subset, &fit) - stand.deviance;
+            if least.as_ref().is_none_or(|l| saved < l.0) {
+                least = Some((saved, k, fit));
+            }
         }
+        let Some((_, k, fit)) = least.filter(|l| l.0 < worth) else {
+            break;
+        };
+        entry.remove(k.min(entry.len() - 1));
+        let found = Scan::empty(bench, Some(stand.sizes));
+        stand = settle(bench, subset, &fit, &found)?;
     }
-    let _ = base;
-    Some(pair)
+    Some(stand)
 }
 
 /// Parameters of a fit with its k-th effect taken out.
@@ -437,11 +454,7 @@ pub(crate) fn lack(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Lack {
         .iter()
         .copied()
         .collect();
-    let names: Vec<String> = subset
-        .runs
-        .iter()
-        .map(|&k| bench.campaign.runs[k].name.clone())
-        .collect();
+    let names = bench.run_names(subset);
     let families = general::families(&samples, &scale, stand.sizes.length);
     let white: Vec<DMatrix<f64>> = families
         .iter()
@@ -462,10 +475,11 @@ pub(crate) fn lack(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Lack {
     best
 }
 
-/// Where a named cause does not act everywhere that its signature says, nothing is named: the structure has another cause.
+/// Where a named cause does not act everywhere that its signature says, or where causes pile up, nothing is named: the
+/// structure has another cause.
 fn refuse_uneven(bench: &Bench<'_>, subset: &Subset, selected: &mut Selected) {
     let count = selected.stand.fitted.effects.len();
-    if (0..count).all(|k| is_uniform(bench, subset, &selected.stand, k)) {
+    if count < MOST_EFFECTS && (0..count).all(|k| is_uniform(bench, subset, &selected.stand, k)) {
         return;
     }
     let seen = selected.entry_log_p.iter().copied().fold(0.0, f64::min);
@@ -474,6 +488,44 @@ fn refuse_uneven(bench: &Bench<'_>, subset: &Subset, selected: &mut Selected) {
     selected.entry_log_p.clear();
     selected.left = lack(bench, subset, &selected.stand);
     selected.left.log_p = selected.left.log_p.min(seen);
+}
+
+/// Where one step of friction somewhere on the plate explains more than all named causes together, nothing is named: a step
+/// in the middle looks like a gradient, three quarters of it.
+fn refuse_beside_step(bench: &Bench<'_>, subset: &Subset, selected: &mut Selected, margin: f64) {
+    if selected.stand.fitted.effects.is_empty() {
+        return;
+    }
+    let stand = &selected.baseline;
+    let explained = stand.deviance - selected.stand.deviance;
+    let samples = subset.samples(bench);
+    let scale = subset.gather(&stand.fitted.prediction);
+    let columns = general::steps(&samples, scale.as_slice());
+    let white = stand.whitener.whiten_columns(&columns.columns);
+    let rows = white.nrows() + stand.prior_rows;
+    let white = white.resize_vertically(rows, 0.0);
+    let strongest = (0..white.ncols())
+        .filter_map(|j| {
+            let direction = stand.ground.direction(&white.columns(j, 1).into_owned())?;
+            let score = stand.ground.score(&direction);
+            Some((score.statistic, j, score.log_p))
+        })
+        .max_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((statistic, j, log_p)) = strongest else {
+        return;
+    };
+    if statistic < explained + margin {
+        return;
+    }
+    let fitted = stand.fitted.clone();
+    let place = columns.place(j, &bench.run_names(subset));
+    selected.stand = Stand::new(bench, subset, fitted, selected.stand.sizes);
+    selected.entry_log_p.clear();
+    selected.left = Lack {
+        log_p,
+        place: Some(place),
+        excess: statistic,
+    };
 }
 
 /// Where something is left that nothing explains: only causes that explain most of it stay named.

@@ -480,6 +480,7 @@ fn context(plan: &Plan, recordings: &[Recording]) -> Context {
         runs.push(first..sliding.len());
     }
     Context {
+        ring: vec![None; runs.len()],
         runs,
         sliding,
         place,

@@ -93,7 +93,9 @@ pub(super) fn plate_span_m(experiment: &Experiment) -> f64 {
 pub(super) fn frequencies_hz(experiment: &Experiment) -> (f64, f64) {
     let step = median_step(experiment.runs.iter().map(|run| run.time_s.as_slice()));
     let duration = duration_s(experiment);
-    (1.0 / duration, (0.45 / step).max(4.0 / duration))
+    // As with wavelengths: an oscillation is claimed only where a run shows it twice; a slower one is a drift or a law that
+    // misses the speed.
+    (2.0 / duration, (0.45 / step).max(4.0 / duration))
 }
 
 /// Rates (per metre, per second) from `low` to `high`, spaced at a third of what a record of length `span` resolves.

@@ -41,7 +41,7 @@ impl Cause for LoadOscillation {
 
     fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
         let (lowest, highest) = grids::frequencies_hz(experiment);
-        let shape = grids::bounded(&PARAMETERS[2], 0.5 * lowest, 1.1 * highest, 10.0 * lowest);
+        let shape = grids::bounded(&PARAMETERS[2], lowest, 1.1 * highest, 5.0 * lowest);
         vec![PARAMETERS[0].clone(), PARAMETERS[1].clone(), shape]
     }
 

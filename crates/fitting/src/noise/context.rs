@@ -34,6 +34,28 @@ pub struct Sizes {
     pub scatter: f64,
 }
 
+/// Nodes per correlation length of the plate's field, where plate and private roughness are alike.
+///
+/// What the grid leaves between its nodes repeats with every run, but the filter along the runs takes it as private to each.
+/// At wavelengths far above the spacing h its spectrum is plate^2 h^2 / (6 l); the private roughness that hides it has
+/// 2 private^2 l / (1 + (2 pi l / wavelength)^2). With twelve nodes and equal sizes a line of 1.4 lengths in K runs has 1 + 0.02 K
+/// times the variance that is reckoned; with four nodes it was 1 + 0.2 K, and smooth plates had false lines.
+const NODES_PER_LENGTH: f64 = 12.0;
+/// Never finer than this many times the nodes of equal sizes.
+const FINEST: f64 = 3.0;
+
+impl Sizes {
+    /// Spacing of the grid that carries the plate's field, m (or rad): finer the more the plate outweighs the private roughness.
+    pub fn node_spacing(&self) -> f64 {
+        let finer = if self.plate > self.private {
+            (self.plate / self.private).min(FINEST)
+        } else {
+            1.0
+        };
+        self.length / (NODES_PER_LENGTH * finer)
+    }
+}
+
 impl Context {
     /// Takes each run's resonance out of a record of all samples.
     pub(super) fn take_ring_out(&self, column: &mut [f64]) {

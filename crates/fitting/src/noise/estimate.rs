@@ -9,7 +9,7 @@ use super::context::{Context, Sizes};
 use super::restricted::Criterion;
 use super::scatter::{ScatterEvidence, gain_columns};
 use super::search;
-use super::whitener::{NODES_PER_LENGTH, Whitener};
+use super::whitener::Whitener;
 
 /// What the caller knows besides the residuals.
 #[derive(Clone, Debug, Default)]
@@ -89,7 +89,7 @@ pub fn estimate(
     let mut evaluations = frame.starts;
     let mut minimum = None;
     for _ in 0..2 {
-        let spacing = frame.sizes(&start).length / NODES_PER_LENGTH;
+        let spacing = frame.sizes(&start).node_spacing();
         let f = |x: &[f64]| criterion.value(&frame.sizes(x), spacing);
         let found = search::minimise(&f, &start, &frame.bounds, 25);
         evaluations += found.evaluations;
@@ -102,7 +102,7 @@ pub fn estimate(
         }
     }
     let minimum = minimum.expect("the search ran at least once");
-    let spacing = frame.sizes(&minimum.point).length / NODES_PER_LENGTH;
+    let spacing = frame.sizes(&minimum.point).node_spacing();
     let log_sd = if options.uncertainty {
         search::standard_deviations(
             &|x: &[f64]| criterion.value(&frame.sizes(x), spacing),
@@ -252,7 +252,8 @@ impl Frame {
                     (self.relative * 0.6).ln(),
                     length.ln(),
                 ];
-                let value = criterion.value(&self.sizes(&x), length / NODES_PER_LENGTH);
+                let sizes = self.sizes(&x);
+                let value = criterion.value(&sizes, sizes.node_spacing());
                 if value < best.0 || best.1.is_empty() {
                     best = (value, x);
                 }

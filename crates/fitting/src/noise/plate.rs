@@ -7,7 +7,7 @@
 //! var bridge = plate^2 (1 - w_j exp(-a/l) - w_{j+1} exp(-b/l))
 //! ```
 //!
-//! The bridge (a tenth of the field's variance at h = l/3) joins the filter along the run. The nodes have a bidiagonal
+//! The bridge (h / 3 l of the field's variance) joins the filter along the run. The nodes have a bidiagonal
 //! precision root; seen through the filter along the run, a sample's dependence on the nodes forgets older nodes, so
 //! that its row is short and the nodes' information matrix is banded.
 

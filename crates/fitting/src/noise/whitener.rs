@@ -17,8 +17,6 @@ use super::ring::Ring;
 use super::rotations::Rotations;
 use super::scatter::gain_columns;
 
-/// Nodes per correlation length of the plate's field.
-pub(super) const NODES_PER_LENGTH: f64 = 4.0;
 /// With more runs than this the scatter's root is taken run by run (the coupling of runs through the plate's field is
 /// then left out of the scatter, not out of the field).
 const RUNS_TOGETHER: usize = 96;
@@ -53,7 +51,7 @@ enum ScatterRoot {
 impl Whitener {
     /// Builds the recursions for a campaign's samples and the sizes of its noise.
     pub fn new(context: &Context, sizes: &Sizes) -> Self {
-        let grid = Grid::new(context, sizes.length / NODES_PER_LENGTH);
+        let grid = Grid::new(context, sizes.node_spacing());
         let along = Along::new(context, sizes, grid.unresolved(sizes.length));
         let mut log_det = along.log_det;
         let rings: Vec<(Range<usize>, Ring)> = (context.runs.iter().zip(&context.ring))
