@@ -259,14 +259,24 @@ fn read_kept(path: &Path) -> Result<Vec<Judged>, String> {
 fn summary(table: &serde_json::Value) {
     println!("trials: {}", table["cases"]);
     println!("nothing planted, named: {}", table["nothing"]["named"]);
+    for row in table["nothing"]["by_noise"]
+        .as_array()
+        .into_iter()
+        .flatten()
+    {
+        println!(
+            "  {}: named {}, unexplained {}",
+            row["noise"], row["named"], row["unexplained"]
+        );
+    }
     for row in table["power"].as_array().into_iter().flatten() {
         println!(
             "ratio {}: detected {}, exact set {}, truth in set {}, wrong name {}, of {}",
             row["ratio"],
-            row["detected"]["share"],
-            row["exact_set"]["share"],
-            row["truth_in_set"]["share"],
-            row["wrong_name"]["share"],
+            row["detected"],
+            row["exact_set"],
+            row["truth_in_set"],
+            row["wrong_name"],
             row["detected"]["cases"]
         );
     }
@@ -280,6 +290,7 @@ fn summary(table: &serde_json::Value) {
     ] {
         println!("{group}: {}", table[group]);
     }
+    println!("places of aliens: {}", table["alien_places"]);
     println!("coverage: {}", table["coverage"]["of_95"]);
     println!("gain: {}", table["gain"]);
 }

@@ -68,13 +68,16 @@ fn verdict_counts<'a>(rows: impl Iterator<Item = &'a Judgement>) -> Map<String, 
 
 fn nothing(all: &[Judged]) -> Value {
     let mut by_kind: BTreeMap<(String, String), (usize, usize, usize)> = BTreeMap::new();
+    let mut by_noise: BTreeMap<String, (usize, usize, usize)> = BTreeMap::new();
     let mut total = (0, 0, 0);
     for (judged, judgement) in counted(all, &[Group::Nothing]) {
-        let key = (
-            judged.trial.case.noise.id().to_string(),
-            judged.trial.case.protocol.id().to_string(),
-        );
-        for entry in [by_kind.entry(key).or_default(), &mut total] {
+        let noise = judged.trial.case.noise.id().to_string();
+        let key = (noise.clone(), judged.trial.case.protocol.id().to_string());
+        for entry in [
+            by_kind.entry(key).or_default(),
+            by_noise.entry(noise).or_default(),
+            &mut total,
+        ] {
             entry.0 += 1;
             entry.1 += usize::from(!judgement.named.is_empty());
             entry.2 += usize::from(judgement.verdict == Verdict::Refused);
@@ -86,7 +89,18 @@ fn nothing(all: &[Judged]) -> Value {
             json!({"noise": noise, "protocol": protocol, "cases": cases, "named": named, "unexplained": refused})
         })
         .collect();
-    json!({"named": share(total.1, total.0), "unexplained": share(total.2, total.0), "rows": rows})
+    let kinds: Vec<Value> = by_noise
+        .into_iter()
+        .map(|(noise, (cases, named, refused))| {
+            json!({"noise": noise, "named": share(named, cases), "unexplained": share(refused, cases)})
+        })
+        .collect();
+    json!({
+        "named": share(total.1, total.0),
+        "unexplained": share(total.2, total.0),
+        "by_noise": kinds,
+        "rows": rows,
+    })
 }
 
 /// Cause, protocol, size over the threshold.
@@ -242,7 +256,11 @@ pub fn table(season: Season, identity: &str, all: &[Judged]) -> Value {
         let rows: Vec<&Judgement> = counted(all, groups)
             .map(|(_, judgement)| judgement)
             .collect();
-        Value::Object(verdict_counts(rows.into_iter()))
+        let right = rows.iter().filter(|j| j.verdict == Verdict::Right).count();
+        let exact = share(right, rows.len());
+        let mut counts = verdict_counts(rows.into_iter());
+        counts.insert("exact".into(), exact);
+        Value::Object(counts)
     };
     let absorbed: BTreeMap<String, Vec<String>> = all
         .iter()
