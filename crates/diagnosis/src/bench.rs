@@ -471,7 +471,7 @@ impl<'a> Bench<'a> {
     }
 
     /// Something like the friction force before any fit: the record, smoothed over a few samples.
-    fn crude_scale(&self) -> Vec<f64> {
+    pub(crate) fn crude_scale(&self) -> Vec<f64> {
         const HALF: usize = 8;
         let mut out = vec![0.0; self.samples.len()];
         for run in &self.samples.runs {

@@ -241,7 +241,8 @@ fn complete(
     options: &Options,
 ) {
     let scatter = selected.stand.ground.likeliest_scatter();
-    if let Some(gains) = gain::judge(bench, selected, answer.noise_floor.rmse) {
+    let ties: Vec<Vec<usize>> = contests.iter().map(tied).collect();
+    if let Some(gains) = gain::judge(bench, selected, &ties, answer.noise_floor.rmse) {
         answer.baseline.held_out_rmse = Some(gains.held_out_law);
         answer.gain = gains.joint;
         for (k, own) in gains.each.into_iter().enumerate() {
@@ -439,6 +440,16 @@ fn notes(bench: &Bench<'_>, selected: &Selected) -> Vec<String> {
     notes
 }
 
+/// Causes that cannot be told from a named one.
+fn tied(contest: &Contest) -> Vec<usize> {
+    contest
+        .opponents
+        .iter()
+        .filter(|o| o.separation < SEPARABLE)
+        .map(|o| o.cause)
+        .collect()
+}
+
 /// A named cause as it stands in the answer.
 fn finding(
     bench: &Bench<'_>,
@@ -449,11 +460,9 @@ fn finding(
 ) -> Finding {
     let own = selected.stand.fitted.effects[k];
     let cause = &bench.catalogue[own];
-    let mut equivalent: Vec<String> = contest
-        .opponents
-        .iter()
-        .filter(|o| o.separation < SEPARABLE)
-        .map(|o| bench.catalogue[o.cause].id().to_owned())
+    let mut equivalent: Vec<String> = tied(contest)
+        .into_iter()
+        .map(|cause| bench.catalogue[cause].id().to_owned())
         .collect();
     equivalent.sort();
     equivalent.dedup();

@@ -69,20 +69,40 @@ fn folds(bench: &Bench<'_>) -> Vec<Vec<usize>> {
 }
 
 /// Judges a selection by folds; `None` where no run can be left out.
-pub(crate) fn judge(bench: &Bench<'_>, selected: &Selected, floor_rmse: f64) -> Option<Gains> {
+///
+/// `ties`: for each named cause, the causes that cannot be told from it: a fold that takes one of them in has found it.
+pub(crate) fn judge(
+    bench: &Bench<'_>,
+    selected: &Selected,
+    ties: &[Vec<usize>],
+    floor_rmse: f64,
+) -> Option<Gains> {
     let folds = folds(bench);
     if folds.is_empty() {
         return None;
     }
+    let extended = &selected.stand.fitted;
     let warm = Warm {
         law: selected.baseline.fitted.parameters.clone(),
         sizes: selected.stand.sizes,
+        extended_law: extended.parameters[..extended.model.law_parameters()].to_vec(),
+        causes: (0..extended.effects.len())
+            .map(|k| {
+                let own = extended.parameters[extended.model.span(k)].to_vec();
+                (extended.effects[k], own)
+            })
+            .collect(),
     };
-    let named = &selected.stand.fitted.effects;
+    let named: Vec<Vec<usize>> = (0..extended.effects.len())
+        .map(|k| {
+            let tied = ties.get(k).into_iter().flatten().copied();
+            std::iter::once(extended.effects[k]).chain(tied).collect()
+        })
+        .collect();
     let scrambled = scrambled(bench, selected);
     let done: Vec<Option<Fold>> = folds
         .par_iter()
-        .map(|held| fold(bench, held, &warm, named, &scrambled))
+        .map(|held| fold(bench, held, &warm, &named, &scrambled))
         .collect();
     let done: Vec<Fold> = done.into_iter().flatten().collect();
     if done.is_empty() {
@@ -113,7 +133,7 @@ fn fold(
     bench: &Bench<'_>,
     held: &[usize],
     warm: &Warm,
-    named: &[usize],
+    named: &[Vec<usize>],
     scrambled: &[Vec<f64>],
 ) -> Option<Fold> {
     let kept: Vec<usize> = (0..bench.samples.runs.len())
@@ -125,13 +145,9 @@ fn fold(
     let lacking = named
         .iter()
         .map(|cause| {
-            let k = full.effects.iter().position(|e| e == cause)?;
-            let rest: Vec<usize> = full
-                .effects
-                .iter()
-                .copied()
-                .filter(|e| e != cause)
-                .collect();
+            let k = full.effects.iter().position(|e| cause.contains(e))?;
+            let mut rest = full.effects.clone();
+            rest.remove(k);
             if rest.is_empty() {
                 return Some(own.baseline.fitted.prediction.clone());
             }

@@ -5,6 +5,7 @@
 //! extended model gains on runs that it has not seen; and what to measure next. [`diagnose`] gives the answer as it
 //! stands in the JSON, [`diagnose_fully`] also the extended model and the curves.
 
+mod afresh;
 mod anatomy;
 pub mod answer;
 mod bench;

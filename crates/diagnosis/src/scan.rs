@@ -86,6 +86,20 @@ impl Scan {
     }
 }
 
+impl Scan {
+    /// The same scan for a noise that is to be estimated from scratch.
+    pub(crate) fn without_sizes(&self) -> Self {
+        Self {
+            candidates: Vec::new(),
+            rays: Vec::new(),
+            asked: self.asked,
+            smooth: self.smooth.clone(),
+            absorbed: Vec::new(),
+            sizes: None,
+        }
+    }
+}
+
 /// The model of a fit with one more cause, and the parameters with the cause at `own`.
 pub(crate) fn extended(
     bench: &Bench<'_>,

@@ -10,6 +10,7 @@ use fitting::noise::{Sizes, Whitener};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
+use crate::afresh::{afresh, is_strong};
 use crate::bench::{Bench, Fitted, Stand, Subset};
 use crate::general::{self, Lack};
 use crate::scan::{Candidate, Scan, extended, scan, scan_without, smooth_beside};
@@ -70,6 +71,10 @@ pub(crate) struct Selected {
 pub(crate) struct Warm {
     pub(crate) law: Vec<f64>,
     pub(crate) sizes: Sizes,
+    /// The law's parameters beside the named causes.
+    pub(crate) extended_law: Vec<f64>,
+    /// The named causes and their parameters.
+    pub(crate) causes: Vec<(usize, Vec<f64>)>,
 }
 
 /// Scatter between runs that is likeliest beside the fitted model.
@@ -155,7 +160,7 @@ fn joint_fits(
                     from.truncate(1);
                     limit = 8;
                 } else {
-                    from.extend(afresh(bench, subset, stand, candidate, &whitener));
+                    from.extend(starts_afresh(bench, subset, stand, candidate, &whitener));
                 }
             }
             for start in from {
@@ -182,7 +187,7 @@ fn joint_fits(
 /// Starts of a joint fit with the law afresh. The law's own fit takes a cord's stretch for its stiffness and damping and may
 /// end in another valley than the two together: of all of the law's starts those nearest to the data with the cause at
 /// its estimated size.
-fn afresh(
+fn starts_afresh(
     bench: &Bench<'_>,
     subset: &Subset,
     stand: &Stand,
@@ -213,9 +218,14 @@ fn afresh(
 
 /// Deviance with parameters and, for a searched period, the search paid for.
 fn price(bench: &Bench<'_>, fit: &(usize, Fitted, f64)) -> f64 {
-    let effect = &bench.catalogue[fit.0];
+    fit.2 + search_price(bench, fit.0)
+}
+
+/// What a cause pays for its parameters and, where its period is searched, for the search.
+pub(crate) fn search_price(bench: &Bench<'_>, cause: usize) -> f64 {
+    let effect = &bench.catalogue[cause];
     let search = if effect.is_periodic() { 10.0 } else { 0.0 };
-    fit.2 + 2.0 * effect.parameters().len() as f64 + search
+    2.0 * effect.parameters().len() as f64 + search
 }
 
 /// Candidates that deserve a joint fit: all that pass, and those that come near the best.
@@ -262,8 +272,6 @@ pub(crate) fn select(
     let mut singles: Vec<Single> = Vec::new();
     let mut entry: Vec<f64> = Vec::new();
     let mut chosen: Option<Stand> = None;
-    let most = if depth == Depth::Full { SURVIVORS } else { 3 };
-    let starts = if depth == Depth::Full { 2 } else { 1 };
     let mut explained = 0.0;
     for round in 0..MOST_EFFECTS {
         let later;
@@ -288,32 +296,22 @@ pub(crate) fn select(
         if top.log_p > threshold {
             break;
         }
-        let asked = survivors(bench, found, threshold, most);
-        let fits = joint_fits(bench, subset, stand, &asked, starts);
-        let Some((cause, fit, deviance)) = fits.first().cloned() else {
+        let Some(step) = step(bench, subset, stand, found, threshold, depth, warm) else {
             break;
         };
-        if round == 0 {
-            singles = fits
-                .iter()
-                .map(|(cause, fitted, _)| Single {
-                    cause: *cause,
-                    fitted: fitted.clone(),
-                })
-                .collect();
-        }
-        let drop = stand.deviance - deviance;
-        let log_p = asked
-            .iter()
-            .find(|c| c.cause == cause)
-            .map_or(0.0, |c| c.log_p);
-        let beyond_shape = round == 0 || drop > SHAPE_TOLERANCE.powi(2) * explained;
-        if !(drop > 8.0) || !beyond_shape || (round > 0 && log_p > threshold) {
+        let beyond_shape = round == 0 || step.drop > SHAPE_TOLERANCE.powi(2) * explained;
+        if !(step.drop > 8.0) || !beyond_shape || (round > 0 && step.log_p > threshold) {
             break;
         }
-        let next = settle(bench, subset, &fit, found)?;
-        explained += drop;
-        entry.push(log_p);
+        if round == 0 {
+            singles = step.tried;
+        }
+        let next = match step.next {
+            Next::Fit(fit) => settle(bench, subset, &fit, found)?,
+            Next::Settled(stand) => *stand,
+        };
+        explained += step.drop;
+        entry.push(step.log_p);
         let next = if round == 0 {
             next
         } else {
@@ -349,12 +347,86 @@ pub(crate) fn select(
     Some(selected)
 }
 
+/// The model that a round proposes.
+enum Next {
+    /// Fitted under the noise of the stand before.
+    Fit(Fitted),
+    /// With its own noise already.
+    Settled(Box<Stand>),
+}
+
+/// What one round of the selection proposes.
+struct Step {
+    next: Next,
+    /// Deviance that the new cause saves.
+    drop: f64,
+    /// Tail probability at which it was seen.
+    log_p: f64,
+    /// All that were fitted.
+    tried: Vec<Single>,
+}
+
+/// The best further cause beside a stand.
+fn step(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    found: &Scan,
+    threshold: f64,
+    depth: Depth,
+    warm: Option<&Warm>,
+) -> Option<Step> {
+    let seen = |cause: usize| {
+        let own = found.candidates.iter().find(|c| c.cause == cause);
+        own.map_or(0.0, |c| c.log_p)
+    };
+    if is_strong(found) {
+        let mut stands = afresh(bench, subset, stand, found, warm);
+        let tried = stands
+            .iter()
+            .map(|(cause, stand)| Single {
+                cause: *cause,
+                fitted: stand.fitted.clone(),
+            })
+            .collect();
+        if stands.is_empty() {
+            return None;
+        }
+        let (cause, next) = stands.swap_remove(0);
+        return Some(Step {
+            drop: next.deviance_of(bench, subset, &stand.fitted) - next.deviance,
+            next: Next::Settled(Box::new(next)),
+            log_p: seen(cause),
+            tried,
+        });
+    }
+    let (most, starts) = match depth {
+        Depth::Full => (SURVIVORS, 2),
+        Depth::Fold => (3, 1),
+    };
+    let asked = survivors(bench, found, threshold, most);
+    let fits = joint_fits(bench, subset, stand, &asked, starts);
+    let (cause, fit, deviance) = fits.first().cloned()?;
+    Some(Step {
+        next: Next::Fit(fit),
+        drop: stand.deviance - deviance,
+        log_p: seen(cause),
+        tried: fits
+            .into_iter()
+            .map(|(cause, fitted, _)| Single { cause, fitted })
+            .collect(),
+    })
+}
+
 /// A new model: noise estimated beside it, fitted again.
-fn settle(bench: &Bench<'_>, subset: &Subset, fit: &Fitted, found: &Scan) -> Option<Stand> {
+pub(crate) fn settle(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    fit: &Fitted,
+    found: &Scan,
+) -> Option<Stand> {
     let (jacobian, _) = bench.jacobian(subset, fit);
-    let sizes = bench.first_sizes();
-    let start = Some(found.sizes.unwrap_or(sizes));
-    let noise = bench.noise(subset, fit, &jacobian, &found.smooth, start);
+    let noise = bench.noise(subset, fit, &jacobian, &found.smooth, found.sizes);
     let fitted = refit(bench, subset, fit, &noise.sizes)?;
     Some(Stand::new(bench, subset, fitted, noise.sizes))
 }

@@ -1,0 +1,203 @@
+//! Joint fits that do not trust the law alone.
+//!
+//! A strong effect drags the law's parameters far away when the law is fitted without it: signatures taken there, and
+//! the noise estimated there, say little about the cause. Then every cause is fitted together with the law from starts
+//! that the record itself suggests, under the noise that a healthy rig would have, and the best of them are compared by
+//! their likelihoods, each with the noise that its own residual shows.
+
+use fitting::noise::Whitener;
+use rayon::prelude::*;
+
+use crate::bench::{Bench, Fitted, Stand, Subset};
+use crate::scan::{Scan, extended};
+use crate::selection::{Warm, is_dear, search_price, settle};
+
+/// Strength of the best candidate (in standard deviations) from which the law alone is not trusted: several times what
+/// is needed to be seen.
+const STRONG: f64 = 12.0;
+/// Starts of the law that are tried with each cause, beside where the law stands.
+const LAW_STARTS: usize = 20;
+/// Sizes and shapes of each cause that are tried with each start of the law.
+const OWN_STARTS: usize = 6;
+/// Starts of each cause that are fitted roughly.
+const ROUGH: usize = 3;
+/// Causes whose fits are carried to their end and compared under their own noise.
+const FINISHED: usize = 4;
+
+/// Whether what is seen beside a stand is so strong that its parameters cannot be trusted.
+pub(crate) fn is_strong(found: &Scan) -> bool {
+    found
+        .candidates
+        .first()
+        .is_some_and(|c| c.score.z() > STRONG)
+}
+
+/// The stand's model with each further cause, fitted from starts that owe nothing to the stand (inside a fold: from where
+/// the whole campaign ended); best first under each fit's own noise.
+pub(crate) fn afresh(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    found: &Scan,
+    warm: Option<&Warm>,
+) -> Vec<(usize, Stand)> {
+    let whitener = healthy_noise(bench, subset);
+    let laws = law_starts(bench, subset, stand, &whitener, warm);
+    let candidates: Vec<(usize, Vec<Vec<f64>>)> = found
+        .candidates
+        .iter()
+        .map(|c| (c.cause, own_starts(bench, c.cause, &c.starts, warm)))
+        .collect();
+    let mut rough: Vec<(usize, Fitted)> = candidates
+        .par_iter()
+        .filter_map(|(cause, own)| {
+            let fit = rough_fit(bench, subset, stand, *cause, own, &laws, &whitener)?;
+            Some((*cause, fit))
+        })
+        .collect();
+    rough.sort_by(|a, b| {
+        let worth = |f: &(usize, Fitted)| 2.0 * f.1.cost + search_price(bench, f.0);
+        worth(a).total_cmp(&worth(b)).then(a.0.cmp(&b.0))
+    });
+    rough.truncate(FINISHED);
+    let blank = found.without_sizes();
+    let mut stands: Vec<(usize, Stand)> = rough
+        .par_iter()
+        .filter_map(|(cause, fit)| {
+            let limit = if is_dear(bench, *cause) { 20 } else { 60 };
+            let fit = bench.fit(
+                subset,
+                &fit.effects,
+                &fit.parameters,
+                &whitener,
+                None,
+                limit,
+            )?;
+            Some((*cause, settle(bench, subset, &fit, &blank)?))
+        })
+        .collect();
+    stands.sort_by(|a, b| {
+        let worth = |s: &(usize, Stand)| s.1.deviance + search_price(bench, s.0);
+        worth(a).total_cmp(&worth(b)).then(a.0.cmp(&b.0))
+    });
+    stands
+}
+
+/// Whitening by the noise of a healthy rig: no residual has been looked at.
+fn healthy_noise(bench: &Bench<'_>, subset: &Subset) -> Whitener {
+    let context = subset.context(bench, &bench.crude_scale());
+    Whitener::new(&context, &bench.first_sizes())
+}
+
+/// Parameters of the stand's model: where it stands, and its law at starts that the record suggests.
+fn law_starts(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    whitener: &Whitener,
+    warm: Option<&Warm>,
+) -> Vec<Fitted> {
+    let model = &stand.fitted.model;
+    let count = model.law_parameters();
+    let measured = subset.gather(&bench.experiment.measured_n);
+    let suggested = match warm {
+        Some(warm) => vec![warm.extended_law.clone()],
+        None => bench.law_starts(model),
+    };
+    let mut starts: Vec<Fitted> = suggested
+        .into_iter()
+        .filter_map(|law| {
+            let mut parameters = stand.fitted.parameters.clone();
+            parameters[..count].copy_from_slice(&law[..count]);
+            let prediction = model.predict(&bench.experiment, &parameters);
+            let residual = subset.gather(&prediction) - &measured;
+            let cost = 0.5 * whitener.whiten(&residual).norm_squared();
+            cost.is_finite().then(|| Fitted {
+                effects: stand.fitted.effects.clone(),
+                model: model.clone(),
+                parameters,
+                prediction,
+                cost,
+                converged: false,
+            })
+        })
+        .collect();
+    starts.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    starts.truncate(LAW_STARTS);
+    starts.push(stand.fitted.clone());
+    starts
+}
+
+/// A cause's own starts: what the scan suggests, then plausible sizes over its shapes, evenly chosen.
+fn own_starts(
+    bench: &Bench<'_>,
+    cause: usize,
+    suggested: &[Vec<f64>],
+    warm: Option<&Warm>,
+) -> Vec<Vec<f64>> {
+    let effect = &bench.catalogue[cause];
+    let known = warm.iter().flat_map(|w| &w.causes);
+    let mut own: Vec<Vec<f64>> = known
+        .filter(|(named, _)| *named == cause)
+        .map(|(_, own)| own.clone())
+        .collect();
+    own.extend(suggested.iter().take(2).cloned());
+    // A period is found in the residual or nowhere.
+    if effect.is_periodic() {
+        return own;
+    }
+    let plausible = effect.starts(&bench.experiment);
+    let room = OWN_STARTS - own.len();
+    let stride = plausible.len().div_ceil(room).max(1);
+    own.extend(plausible.into_iter().step_by(stride));
+    own
+}
+
+/// The best of a few rough fits of one cause.
+fn rough_fit(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    cause: usize,
+    own: &[Vec<f64>],
+    laws: &[Fitted],
+    whitener: &Whitener,
+) -> Option<Fitted> {
+    let dear = is_dear(bench, cause);
+    let measured = subset.gather(&bench.experiment.measured_n);
+    let (laws, own, fits, limit) = if dear {
+        (&laws[..laws.len().min(3)], &own[..own.len().min(2)], 1, 8)
+    } else {
+        (laws, own, ROUGH, 15)
+    };
+    let mut tried: Vec<(f64, usize, Vec<f64>)> = Vec::new();
+    for (place, law) in laws.iter().enumerate() {
+        for own in own {
+            let (model, start) = extended(bench, law, cause, own)?;
+            let residual = subset.gather(&model.predict(&bench.experiment, &start)) - &measured;
+            let cost = whitener.whiten(&residual).norm_squared();
+            if cost.is_finite() {
+                tried.push((cost, place, start));
+            }
+        }
+    }
+    tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut effects = stand.fitted.effects.clone();
+    effects.push(cause);
+    let mut taken: Vec<usize> = Vec::new();
+    let mut best: Option<Fitted> = None;
+    for (_, place, start) in tried {
+        // Fits from one start of the law tend to end in one minimum.
+        if taken.contains(&place) || taken.len() == fits {
+            continue;
+        }
+        taken.push(place);
+        let Some(fit) = bench.fit(subset, &effects, &start, whitener, None, limit) else {
+            continue;
+        };
+        if best.as_ref().is_none_or(|b| fit.cost < b.cost) {
+            best = Some(fit);
+        }
+    }
+    best
+}
