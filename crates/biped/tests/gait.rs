@@ -3,13 +3,15 @@
 mod sample;
 
 use biped::contact::{Brush, Ground};
+use biped::gait::book::Book;
+use biped::gait::catalogue::{CONTACT, Choice, Mount, Name, all};
 use biped::gait::chain::{Case, Outcome, solve_all};
 use biped::gait::layout::Layout;
 use biped::gait::programme::Stride;
 use biped::gait::start::Guess;
 use biped::gait::{Contact, Goal, Limits, Mesh, Problem, STANDING, Touchdown};
 use biped::kinematics::{Leg, leg_points};
-use trajectory::{Block, Options, Programme};
+use trajectory::{Block, Options, Programme, Start};
 
 const BRUSH: Brush = Brush {
     forward: 0.9049,
@@ -41,6 +43,8 @@ fn shipped(kind: &str, brush: &str, weight: f64, aim: f64) -> Vec<f64> {
                 && row["brush"] == brush
                 && row["weight"] == weight
                 && row["aim"] == aim
+                && (kind == "rigid" || (row["k"] == 2e5 && row["c"] == 1.0))
+                && row.get("choice").is_none_or(|choice| choice == "own")
         })
         .unwrap();
     row["x"]
@@ -59,12 +63,13 @@ fn solved(problem: Problem, start: Vec<f64>) -> Outcome {
     solve_all(
         &[Case {
             problem,
-            starts: vec![start],
+            starts: vec![Start::cold(start)],
         }],
         &options,
     )
     .unwrap()
     .remove(0)
+    .expect("a case with a start has an outcome")
 }
 
 const STIFF: Contact = Contact::Compliant(Ground {
@@ -188,4 +193,107 @@ fn the_programme_is_well_formed() {
         let idle: Vec<usize> = (0..count).filter(|&k| !used[k]).collect();
         assert!(idle.is_empty(), "{contact:?}: {idle:?}");
     }
+}
+
+#[test]
+fn neighbours_differ_in_one_choice_by_one_step() {
+    let base = Name::compliant(CONTACT, Mount::Symmetric, 1.0, 20.0);
+    let beside = [
+        Name {
+            brush: Mount::Backwards,
+            ..base
+        },
+        Name {
+            weight: 3.0,
+            ..base
+        },
+        Name {
+            weight: 0.3,
+            ..base
+        },
+        Name { k: 4e5, ..base },
+        Name { c: 0.3, ..base },
+        Name { aim: 8.0, ..base },
+        base.with_choice(Choice::LongPhases),
+    ];
+    for other in beside {
+        assert!(
+            base.is_beside(&other) && other.is_beside(&base),
+            "{other:?}"
+        );
+    }
+    let far = [
+        base,
+        Name {
+            weight: 10.0,
+            ..base
+        },
+        Name { c: 3.0, ..base },
+        Name {
+            k: 4e5,
+            c: 0.3,
+            ..base
+        },
+        Name::rigid(Mount::Symmetric, 1.0, 20.0),
+    ];
+    for other in far {
+        assert!(
+            !base.is_beside(&other) && !other.is_beside(&base),
+            "{other:?}"
+        );
+    }
+    let long = base.with_choice(Choice::LongPhases);
+    assert!(!long.is_beside(&base.with_choice(Choice::ShortPhases)));
+    let names = all(8.0, 20.0);
+    for (k, name) in names.iter().enumerate() {
+        assert!(!names[..k].contains(name), "{name:?} stands twice");
+        assert!(
+            names.iter().any(|other| other.is_beside(name)),
+            "{name:?} has no neighbour"
+        );
+    }
+}
+
+#[test]
+fn a_stride_is_found_from_its_neighbours_and_kept_until_a_better_one_comes() {
+    let weight = 0.01;
+    let known = Name::rigid(Mount::Symmetric, weight, 20.0);
+    let open = Name::rigid(Mount::Asymmetric, weight, 20.0);
+    let start = shipped("rigid", "symmetric", weight, 20.0);
+    let problem = |name: Name| name.problem(&sample::biped(), BRUSH);
+    let mut book = Book::default();
+    let options = Options::default();
+    book.add(
+        vec![
+            (known, problem(known), vec![Start::cold(start)]),
+            (open, problem(open), Vec::new()),
+        ],
+        &options,
+    )
+    .unwrap();
+    assert_eq!(book.gaps().collect::<Vec<_>>(), [open]);
+    assert_eq!(book.cross_seed(|_| true, &options).unwrap(), 1);
+    assert_eq!(book.gaps().count(), 0);
+    let cost = |book: &Book, k: usize| book.entries[k].outcome.as_ref().unwrap().cost;
+    let tried = |book: &Book| -> usize {
+        let outcomes = book.entries.iter().filter_map(|e| e.outcome.as_ref());
+        outcomes.map(|o| o.tried).sum()
+    };
+    let mut better = 1;
+    for _ in 0..6 {
+        let before = [cost(&book, 0), cost(&book, 1)];
+        better = book.cross_seed(|_| true, &options).unwrap();
+        assert!(cost(&book, 0) <= before[0] && cost(&book, 1) <= before[1]);
+        assert_eq!(better > 0, before != [cost(&book, 0), cost(&book, 1)]);
+        if better == 0 {
+            break;
+        }
+    }
+    assert_eq!(better, 0, "two problems settle");
+    // More grip pays.
+    assert!(cost(&book, 1) < cost(&book, 0));
+    // Nobody has anything new: no start is left to try.
+    let before = tried(&book);
+    assert_eq!(book.cross_seed(|_| true, &options).unwrap(), 0);
+    assert_eq!(tried(&book), before);
 }

@@ -1,22 +1,25 @@
-//! Solving many strides: from given starts, each result certified or named.
+//! Solving many strides: from given starts and from each other, each result certified or named.
 //!
-//! Local minima dominate this problem: a single cold start is worthless. So every case is solved from
-//! several starts (its own, and the solutions of its neighbours), the cheapest certified stride
-//! is kept, and how many starts found it is counted.
+//! Local minima dominate this problem: a single start is worthless. So every case is solved from
+//! several starts (its own, and the strides of its neighbours), the cheapest certified stride
+//! is kept, and how many starts found it is counted. Two strides are one minimum when their variables
+//! are close; equal costs prove nothing.
 
 use super::Problem;
 use super::motion::Motion;
 use super::programme::Stride;
 use rayon::prelude::*;
-use trajectory::{Options, ProgrammeError, Solution, Start, Status, solve};
+use trajectory::{
+    Multipliers, Options, ProgrammeError, Solution, Start, Status, scaled_distance, solve,
+};
 
 /// A case and the points to start it from.
 #[derive(Clone, Debug)]
 pub struct Case {
     /// The problem.
     pub problem: Problem,
-    /// Starts, each a full vector of variables.
-    pub starts: Vec<Vec<f64>>,
+    /// Starts, each with a full vector of variables.
+    pub starts: Vec<Start>,
 }
 
 /// The best stride found for a case.
@@ -30,9 +33,11 @@ pub struct Outcome {
     pub cost: f64,
     /// Variables.
     pub x: Vec<f64>,
+    /// Multipliers: they tell a neighbour which limits hold.
+    pub multipliers: Multipliers,
     /// The stride read from them.
     pub motion: Motion,
-    /// Starts that ended in this minimum (cost within 1e-6 relative).
+    /// Starts that ended in this minimum.
     pub found_by: usize,
     /// Starts tried.
     pub tried: usize,
@@ -47,66 +52,86 @@ impl Outcome {
     pub fn is_certified(&self) -> bool {
         self.status.is_solved()
     }
+
+    /// This stride as a start for a neighbour.
+    pub fn start(&self) -> Start {
+        Start {
+            x: self.x.clone(),
+            multipliers: Some(self.multipliers.clone()),
+        }
+    }
+
+    fn new(problem: &Problem, solution: &Solution) -> Self {
+        Self {
+            problem: *problem,
+            status: solution.status,
+            cost: solution.cost,
+            x: solution.x.clone(),
+            multipliers: solution.multipliers.clone(),
+            motion: Motion::new(problem, &solution.x),
+            found_by: 1,
+            tried: 1,
+            iterations: solution.counters.iterations,
+            subproblems: solution.counters.subproblems,
+        }
+    }
+
+    /// The better of two outcomes of one problem, with the starts and the work of both. A certified stride is
+    /// better than any other, then the cheaper one is.
+    #[must_use]
+    pub fn merged(self, other: Self) -> Self {
+        let stride = Stride::new(self.problem);
+        let same = self.status == other.status
+            && scaled_distance(&stride, &self.x, &other.x) <= SAME_MINIMUM;
+        let (tried, found) = (self.tried + other.tried, self.found_by + other.found_by);
+        let iterations = self.iterations + other.iterations;
+        let subproblems = self.subproblems + other.subproblems;
+        let rank = |o: &Self| (usize::from(!o.is_certified()), o.cost);
+        let ((a_open, a_cost), (b_open, b_cost)) = (rank(&self), rank(&other));
+        let first = a_open.cmp(&b_open).then(a_cost.total_cmp(&b_cost)).is_le();
+        // Of two finds of one minimum the earlier stays, so that a last digit does not count as progress.
+        let best = if same || first { self } else { other };
+        Self {
+            found_by: if same { found } else { best.found_by },
+            tried,
+            iterations,
+            subproblems,
+            ..best
+        }
+    }
 }
 
-/// Relative difference of costs below which two strides are one minimum.
-const SAME_MINIMUM: f64 = 1e-6;
+/// Distance of two strides, in scales of the variables, within which they are one minimum.
+const SAME_MINIMUM: f64 = 1e-3;
 
-/// Solves every case from every one of its starts. Cases and starts run in parallel, results are
-/// folded in their given order, so the bits do not depend on the number of threads.
+/// Solves every case from every one of its starts; `None` for a case without starts. Cases and starts run in
+/// parallel, results are folded in their given order, so the bits do not depend on the number of threads.
 ///
 /// # Errors
 /// A start of the wrong length, or a problem that contradicts itself.
-pub fn solve_all(cases: &[Case], options: &Options) -> Result<Vec<Outcome>, ProgrammeError> {
-    let tasks: Vec<(usize, &Vec<f64>)> = cases
+pub fn solve_all(
+    cases: &[Case],
+    options: &Options,
+) -> Result<Vec<Option<Outcome>>, ProgrammeError> {
+    let tasks: Vec<(usize, &Start)> = cases
         .iter()
         .enumerate()
         .flat_map(|(index, case)| case.starts.iter().map(move |start| (index, start)))
         .collect();
-    let solutions: Vec<(usize, Solution)> = tasks
+    let outcomes: Vec<(usize, Outcome)> = tasks
         .par_iter()
         .map(|(index, start)| {
-            let stride = Stride::new(cases[*index].problem);
-            Ok((
-                *index,
-                solve(&stride, &Start::cold((*start).clone()), options)?,
-            ))
+            let problem = cases[*index].problem;
+            let solution = solve(&Stride::new(problem), start, options)?;
+            Ok((*index, Outcome::new(&problem, &solution)))
         })
         .collect::<Result<_, ProgrammeError>>()?;
-    Ok(cases
-        .iter()
-        .enumerate()
-        .filter_map(|(index, case)| {
-            let own: Vec<&Solution> = solutions
-                .iter()
-                .filter(|(i, _)| *i == index)
-                .map(|(_, s)| s)
-                .collect();
-            best(case, &own)
-        })
-        .collect())
-}
-
-/// The cheapest certified solution, or the one nearest to being one.
-fn best(case: &Case, solutions: &[&Solution]) -> Option<Outcome> {
-    let rank = |s: &Solution| (usize::from(!s.status.is_solved()), s.cost);
-    let winner = solutions.iter().copied().min_by(|a, b| {
-        let ((a_open, a_cost), (b_open, b_cost)) = (rank(a), rank(b));
-        a_open.cmp(&b_open).then(a_cost.total_cmp(&b_cost))
-    })?;
-    let same = |s: &&&Solution| {
-        s.status == winner.status
-            && (s.cost - winner.cost).abs() <= SAME_MINIMUM * winner.cost.abs()
-    };
-    Some(Outcome {
-        problem: case.problem,
-        status: winner.status,
-        cost: winner.cost,
-        x: winner.x.clone(),
-        motion: Motion::new(&case.problem, &winner.x),
-        found_by: solutions.iter().filter(same).count(),
-        tried: solutions.len(),
-        iterations: solutions.iter().map(|s| s.counters.iterations).sum(),
-        subproblems: solutions.iter().map(|s| s.counters.subproblems).sum(),
-    })
+    let mut best: Vec<Option<Outcome>> = vec![None; cases.len()];
+    for (index, outcome) in outcomes {
+        best[index] = Some(match best[index].take() {
+            Some(before) => before.merged(outcome),
+            None => outcome,
+        });
+    }
+    Ok(best)
 }

@@ -7,6 +7,8 @@
 //! Two contacts: a rigid one (the foot sticks, forces are variables, touchdown is an impact) and a
 //! compliant one (Hertz with contact loss, friction by the direction of sliding).
 
+pub mod book;
+pub mod catalogue;
 pub mod chain;
 pub mod layout;
 mod linear;

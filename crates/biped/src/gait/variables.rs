@@ -5,12 +5,13 @@ use super::{PHASES, Problem, STANDING};
 use crate::kinematics::{COORDINATES, JOINTS};
 use trajectory::Variable;
 
-/// Physical scales, fixed: an interval of some 5 ms, speeds of some 10 m/s and rad/s.
+/// Physical scales, fixed: an interval of some 5 to 12 ms, speeds of some 10 m/s and rad/s, accelerations of a foot that
+/// strikes, some hundreds of rad/s^2.
 pub(super) mod scale {
     pub(in crate::gait) const INTERVAL_S: f64 = 0.005;
     pub(in crate::gait) const LENGTH_M: f64 = 1.0;
     pub(in crate::gait) const W: f64 = 0.05;
-    pub(in crate::gait) const B: f64 = 0.01;
+    pub(in crate::gait) const B: f64 = 0.1;
     pub(in crate::gait) const TORQUE_N_M: f64 = 35.0;
     pub(in crate::gait) const FORCE_N: f64 = 200.0;
     pub(in crate::gait) const IMPULSE_N_S: f64 = 5.0;

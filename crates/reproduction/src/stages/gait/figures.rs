@@ -1,12 +1,12 @@
 //! Curves of the gait stage: best speeds (Fig. 12), force directions (Fig. 11), the map of the gain.
 
+use biped::gait::catalogue::{Choice, Mount, WEIGHTS};
 use biped::gait::motion::Motion;
 use biped::gait::{PHASES, STANDING};
 use biped::kinematics::Leg;
-use report::Evidence;
 use report::figure::{Axis, Figure, HeatMap, Ink, LinePlot, Mark, Provenance, Rule, Series};
+use report::{Cell, Column, Evidence, Table};
 
-use super::strides::{Mount, WEIGHTS};
 use crate::published::Published;
 use crate::stage::StageError;
 
@@ -189,4 +189,51 @@ pub(super) fn map(
         Provenance::here("gait", "biped::gait::chain::solve_all"),
     )
     .with_claims(&["C11", "C22"])
+}
+
+/// What a choice means, in words.
+fn meaning(choice: Choice) -> &'static str {
+    match choice {
+        Choice::Own => "this project's choices",
+        Choice::ShortPhases => "no phase longer than 60 ms (shorter steps)",
+        Choice::LongPhases => "phases up to 150 ms (longer steps)",
+        Choice::SlowJoints => "joints no faster than 40 rad/s",
+        Choice::NarrowHips => "hips from -80 to 40 degrees",
+        Choice::SharpFriction => "friction turns within 0.03 m/s",
+        Choice::BluntFriction => "friction turns within 0.3 m/s",
+        Choice::ShallowFoot => "foot no deeper than 20 mm",
+    }
+}
+
+/// The gain under each of the choices that the paper leaves open.
+pub(super) fn choices(rows: &[Choice]) -> Table {
+    let rows = rows
+        .iter()
+        .map(|&choice| {
+            let value = |part: &str| Cell::Value(format!("gait.choice.{}.{part}", choice.id()));
+            vec![
+                Cell::from(meaning(choice)),
+                value("symmetric"),
+                value("asymmetric"),
+                value("gain"),
+            ]
+        })
+        .collect();
+    Table {
+        id: "gait-choices".into(),
+        title: "The other choices that the paper leaves open".into(),
+        caption: "Best speeds and gain at the contact of the sweep and one speed weight, one choice changed at a time. Rows without \
+                  two certified strides are left out."
+            .into(),
+        columns: vec![
+            Column::text("choice"),
+            Column::number("symmetric", "m/s"),
+            Column::number("asymmetric", "m/s"),
+            Column::number("gain", "percent"),
+        ],
+        rows,
+        evidence: Some(Evidence::Computed),
+        claims: vec!["C11".into(), "C22".into()],
+        ..Table::default()
+    }
 }

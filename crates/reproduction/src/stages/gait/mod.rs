@@ -7,12 +7,15 @@ mod strides;
 mod words;
 
 use biped::gait::STANDING;
+use biped::gait::catalogue::{
+    CONTACT, Choice, Kind, LOSSES, MAP_WEIGHT, Mount, Name, STIFFNESSES, WEIGHTS,
+};
 use biped::gait::motion::Motion;
 use biped::kinematics::foot_velocity;
 use report::figure::Figure;
 use report::{Block, Evidence, NoticeKind, Value};
 
-use self::strides::{CONTACT, Kind, MAP_WEIGHT, Mount, Solved, WEIGHTS};
+use self::strides::{Solved, of_sweep};
 use super::machine;
 use crate::stage::{Needs, Stage, StageContext, StageError, StageOutput, StageStatus, TableFile};
 
@@ -47,8 +50,9 @@ impl Stage for Gait {
             high: published.value("gait.target_speed_fig12")?,
         };
         let quick = context.quick;
-        let solved = strides::solve(&biped, brush, |start| {
-            !quick || (start.kind == Kind::Compliant && (start.k, start.c) == CONTACT)
+        let solved = strides::solve(&biped, brush, |name| {
+            let base = name.kind == Kind::Compliant && (name.k, name.c) == CONTACT;
+            !quick || (base && name.choice == Choice::Own)
         })?;
         context.say(&format!("{} strides solved", solved.len()));
 
@@ -75,8 +79,8 @@ impl Stage for Gait {
             blocks.push(rigid.into());
         }
         let at_low = |mount: Mount| {
-            certified(&solved)
-                .find(|s| s.is(Kind::Compliant, CONTACT, mount, MAP_WEIGHT, targets.low))
+            let name = Name::compliant(CONTACT, mount, MAP_WEIGHT, targets.low);
+            certified(&solved).find(|s| s.name == name)
         };
         if let (Some(symmetric), Some(asymmetric)) =
             (at_low(Mount::Symmetric), at_low(Mount::Asymmetric))
@@ -110,6 +114,7 @@ impl Stage for Gait {
         ));
         impulses(&solved, &targets, &mut output);
         if !quick {
+            blocks.extend(choices(&solved, &targets, &mut output));
             accelerating(&solved, &targets, &mut output)?;
         }
         let slip = largest_slip(&solved);
@@ -151,9 +156,8 @@ fn best_speeds(
         let strides: Vec<Option<&Solved>> = WEIGHTS
             .iter()
             .map(|&weight| {
-                solved
-                    .iter()
-                    .find(|s| s.is(kind, CONTACT, mount, weight, targets.high))
+                let name = of_sweep(kind, mount, weight, targets.high);
+                solved.iter().find(|s| s.name == name)
             })
             .collect();
         let speeds: Vec<Option<f64>> = strides
@@ -222,53 +226,99 @@ fn direction_values(motions: &[(Mount, &Motion)], output: &mut StageOutput) {
     }
 }
 
-/// Gain over contact stiffness and loss at one weight.
-fn map(solved: &[Solved], targets: &Targets, printed_gain: f64, output: &mut StageOutput) -> Block {
-    let in_map = |s: &&Solved| s.start.kind == Kind::Compliant && s.start.weight == MAP_WEIGHT;
-    let axis = |pick: fn(&Solved) -> f64| {
-        let mut list: Vec<f64> = solved.iter().filter(in_map).map(pick).collect();
-        list.sort_by(f64::total_cmp);
-        list.dedup();
-        list
+/// Gain of the asymmetric over the symmetric brush where both strides are certified, percent.
+fn gain(solved: &[Solved], name: impl Fn(Mount) -> Name) -> Option<f64> {
+    let speed = |mount: Mount| {
+        let name = name(mount);
+        certified(solved)
+            .find(|s| s.name == name)
+            .map(|s| s.outcome.motion.speed_m_s)
     };
-    let (stiffnesses, losses) = (axis(|s| s.start.k), axis(|s| s.start.c));
+    let (symmetric, asymmetric) = (speed(Mount::Symmetric)?, speed(Mount::Asymmetric)?);
+    Some(100.0 * (asymmetric / symmetric - 1.0))
+}
+
+/// Gain over contact stiffness and loss at one weight, and the cells that break the order of the brushes.
+fn map(solved: &[Solved], targets: &Targets, printed_gain: f64, output: &mut StageOutput) -> Block {
+    let name = |k, c| move |mount: Mount| Name::compliant((k, c), mount, MAP_WEIGHT, targets.high);
     let mut cells = Vec::new();
-    for &k in &stiffnesses {
+    let mut disordered = 0;
+    for k in STIFFNESSES {
         let mut row = Vec::new();
-        for &c in &losses {
-            let speed = |mount: Mount| {
-                certified(solved)
-                    .find(|s| s.is(Kind::Compliant, (k, c), mount, MAP_WEIGHT, targets.high))
-                    .map(|s| s.outcome.motion.speed_m_s)
-            };
-            let gain = match (speed(Mount::Symmetric), speed(Mount::Asymmetric)) {
-                (Some(symmetric), Some(asymmetric)) => Some(100.0 * (asymmetric / symmetric - 1.0)),
-                _ => None,
-            };
+        for c in LOSSES {
+            let gain = gain(solved, name(k, c));
             if let Some(gain) = gain {
                 output
                     .values
                     .push(value(format!("gait.map.k-{k}.c-{c}"), gain, "percent"));
             }
+            let speeds: Option<Vec<f64>> = [Mount::Backwards, Mount::Symmetric, Mount::Asymmetric]
+                .into_iter()
+                .map(|mount| {
+                    let name = name(k, c)(mount);
+                    let found = certified(solved).find(|s| s.name == name)?;
+                    Some(found.outcome.motion.speed_m_s)
+                })
+                .collect();
+            disordered += usize::from(speeds.is_some_and(|s| s.windows(2).any(|w| w[0] >= w[1])));
             row.push(gain);
         }
         cells.push(row);
     }
-    if cells.iter().flatten().all(Option::is_none) {
+    let found: Vec<f64> = cells.iter().flatten().flatten().copied().collect();
+    if found.is_empty() {
         return Block::notice(
             NoticeKind::Refusal,
             "No map of the gain",
             "In no cell of contact stiffness and loss do both strides carry a certificate, so no gain is claimed.",
         );
     }
-    figures::map(&stiffnesses, &losses, &cells, printed_gain).into()
+    let extreme = |start: f64, pick: fn(f64, f64) -> f64| found.iter().copied().fold(start, pick);
+    for (id, number, unit) in [
+        ("cells", found.len() as f64, "1"),
+        ("disordered", disordered as f64, "1"),
+        ("smallest", extreme(f64::INFINITY, f64::min), "percent"),
+        ("largest", extreme(f64::NEG_INFINITY, f64::max), "percent"),
+    ] {
+        output
+            .values
+            .push(value(format!("gait.map.{id}"), number, unit));
+    }
+    figures::map(&STIFFNESSES, &LOSSES, &cells, printed_gain).into()
+}
+
+/// Gain under each of the other choices that the paper leaves open.
+fn choices(solved: &[Solved], targets: &Targets, output: &mut StageOutput) -> Option<Block> {
+    let mut rows = Vec::new();
+    for choice in std::iter::once(Choice::Own).chain(Choice::ALL) {
+        let name = |mount: Mount| {
+            Name::compliant(CONTACT, mount, MAP_WEIGHT, targets.high).with_choice(choice)
+        };
+        for mount in [Mount::Symmetric, Mount::Asymmetric] {
+            let name = name(mount);
+            let speed = certified(solved)
+                .find(|s| s.name == name)
+                .map_or(f64::NAN, |s| s.outcome.motion.speed_m_s);
+            let id = format!("gait.choice.{}.{}", choice.id(), mount.id());
+            output.values.push(value(id, speed, "m/s"));
+        }
+        let number = gain(solved, name);
+        let id = format!("gait.choice.{}.gain", choice.id());
+        output
+            .values
+            .push(value(id, number.unwrap_or(f64::NAN), "percent"));
+        if number.is_some() {
+            rows.push(choice);
+        }
+    }
+    (rows.len() > 1).then(|| figures::choices(&rows).into())
 }
 
 /// Forward and braking impulses of the fastest strides: over a period they cancel.
 fn impulses(solved: &[Solved], targets: &Targets, output: &mut StageOutput) {
     for mount in Mount::ALL {
-        let found = certified(solved)
-            .find(|s| s.is(Kind::Compliant, CONTACT, mount, MAP_WEIGHT, targets.high));
+        let name = Name::compliant(CONTACT, mount, MAP_WEIGHT, targets.high);
+        let found = certified(solved).find(|s| s.name == name);
         let Some(solved) = found else { continue };
         let motion = &solved.outcome.motion;
         let [forward, braking] = motion.forward_and_braking_n_s();
@@ -290,13 +340,14 @@ fn accelerating(
     output: &mut StageOutput,
 ) -> Result<(), StageError> {
     let of = |mount: Mount| {
-        certified(solved).find(|s| s.is(Kind::Compliant, CONTACT, mount, MAP_WEIGHT, targets.low))
+        let name = Name::compliant(CONTACT, mount, MAP_WEIGHT, targets.low);
+        certified(solved).find(|s| s.name == name)
     };
     let periodic: Vec<&Solved> = Mount::ALL.into_iter().filter_map(of).collect();
     let strides = strides::accelerate(&periodic, targets.low)?;
     let mut found = Vec::new();
     for stride in &strides {
-        let name = stride.start.brush.id();
+        let name = stride.name.brush.id();
         let acceleration = stride.outcome.motion.acceleration_m_s2;
         if stride.outcome.is_certified() {
             output.values.push(value(
@@ -304,7 +355,7 @@ fn accelerating(
                 acceleration,
                 "m/s^2",
             ));
-            found.push((stride.start.brush, acceleration));
+            found.push((stride.name.brush, acceleration));
         }
         output.work.insert(
             format!("accelerating stride, {name}: steps"),
@@ -373,18 +424,20 @@ fn quality(solved: &[Solved], output: &mut StageOutput) {
 
 /// Every stride with its status.
 fn table(solved: &[Solved]) -> TableFile {
-    let mut csv =
-        String::from("contact,k,c,brush,weight,target_m_s,status,cost,speed_m_s,period_s,effort\n");
+    let mut csv = String::from(
+        "contact,k,c,choice,brush,weight,target_m_s,status,cost,speed_m_s,period_s,effort\n",
+    );
     for s in solved {
-        let (start, outcome) = (&s.start, &s.outcome);
+        let (name, outcome) = (&s.name, &s.outcome);
         csv.push_str(&format!(
-            "{:?},{},{},{},{},{},{:?},{},{},{},{}\n",
-            start.kind,
-            start.k,
-            start.c,
-            start.brush.id(),
-            start.weight,
-            start.aim,
+            "{:?},{},{},{},{},{},{},{:?},{},{},{},{}\n",
+            name.kind,
+            name.k,
+            name.c,
+            name.choice.id(),
+            name.brush.id(),
+            name.weight,
+            name.aim,
             outcome.status,
             outcome.cost,
             outcome.motion.speed_m_s,

@@ -30,13 +30,21 @@ pub(super) fn section(figures: Vec<Block>, values: &[Value], quick: bool) -> Sec
              {{ v(\"gait.acceleration.gain\", 3) }}: the paper's argument is one about acceleration.",
         ));
     }
+    if has(values, "gait.map.cells") {
+        blocks.push(Block::prose(
+            "Over contact stiffness and loss the gain runs from {{ v(\"gait.map.smallest\", 3) }} to \
+             {{ v(\"gait.map.largest\", 3) }} in {{ n(\"gait.map.cells\") }} cells in which both strides are certified; in \
+             {{ n(\"gait.map.disordered\") }} of them the order backwards, symmetric, asymmetric is broken, which with local minima \
+             says that a better stride of one of the three has not been found.",
+        ));
+    }
     blocks.push(Block::notice(
         NoticeKind::Caution,
         "What is not published",
         "Cost function, contact stiffness and loss, limits of posture and phases: all of them are this project's choices, and \
          the speeds are theirs as much as the machine's. Local minima dominate: a better one than those found may exist. The \
-         starts ship with the project (found by an independent optimiser on the same problems, cross-seeded); every problem \
-         is solved again from them here.",
+         starts ship with the project (strides of an independent optimiser on the same problems and of the project's own solver, \
+         each improved from its neighbours); every problem is solved again from them here.",
     ));
     blocks.push(Block::notice(
         NoticeKind::Note,
