@@ -24,6 +24,21 @@ const ROUGH: usize = 3;
 /// Causes whose fits are carried to their end and compared under their own noise.
 const FINISHED: usize = 4;
 
+/// The same inside a fold, where the fits start from the whole campaign's.
+const FINISHED_IN_FOLD: usize = 2;
+/// Best candidates that are asked beside a cause that is named already, and inside a fold.
+const ASKED_LATER: usize = 8;
+const ASKED_IN_FOLD: usize = 3;
+
+/// Which candidates are fitted: beside the law alone all, for what they score there means little; beside a named cause,
+/// where the law has come right, the best; inside a fold also what the whole campaign named.
+fn is_asked(place: usize, cause: usize, stand: &Stand, warm: Option<&Warm>) -> bool {
+    match warm {
+        Some(warm) => place < ASKED_IN_FOLD || warm.causes.iter().any(|(named, _)| *named == cause),
+        None => stand.fitted.effects.is_empty() || place < ASKED_LATER,
+    }
+}
+
 /// Whether what is seen beside a stand is so strong that its parameters cannot be trusted.
 pub(crate) fn is_strong(found: &Scan) -> bool {
     found
@@ -46,6 +61,9 @@ pub(crate) fn afresh(
     let candidates: Vec<(usize, Vec<Vec<f64>>)> = found
         .candidates
         .iter()
+        .enumerate()
+        .filter(|(place, c)| is_asked(*place, c.cause, stand, warm))
+        .map(|(_, c)| c)
         .map(|c| (c.cause, own_starts(bench, c.cause, &c.starts, warm)))
         .collect();
     let mut rough: Vec<(usize, Fitted)> = candidates
@@ -59,7 +77,11 @@ pub(crate) fn afresh(
         let worth = |f: &(usize, Fitted)| 2.0 * f.1.cost + search_price(bench, f.0);
         worth(a).total_cmp(&worth(b)).then(a.0.cmp(&b.0))
     });
-    rough.truncate(FINISHED);
+    rough.truncate(if warm.is_some() {
+        FINISHED_IN_FOLD
+    } else {
+        FINISHED
+    });
     let blank = found.without_sizes();
     let mut stands: Vec<(usize, Stand)> = rough
         .par_iter()
