@@ -350,7 +350,7 @@ pub(crate) fn select(
 /// The model that a round proposes.
 enum Next {
     /// Fitted under the noise of the stand before.
-    Fit(Fitted),
+    Fit(Box<Fitted>),
     /// With its own noise already.
     Settled(Box<Stand>),
 }
@@ -408,7 +408,7 @@ fn step(
     let fits = joint_fits(bench, subset, stand, &asked, starts);
     let (cause, fit, deviance) = fits.first().cloned()?;
     Some(Step {
-        next: Next::Fit(fit),
+        next: Next::Fit(Box::new(fit)),
         drop: stand.deviance - deviance,
         log_p: seen(cause),
         tried: fits
