@@ -188,11 +188,8 @@ fn findings(answer: &Diagnosis, prefix: &str) -> Table {
             let first = k == 0;
             let gain = finding.gain.as_ref().and_then(|g| g.explained_fraction);
             rows.push(vec![
-                if first {
-                    finding.cause.clone().into()
-                } else {
-                    "".into()
-                },
+                // Every row says whose parameter it is: a header of a row is never empty.
+                finding.cause.clone().into(),
                 parameter.name.clone().into(),
                 interval(parameter.value, parameter.ci95),
                 parameter.unit.clone().into(),
