@@ -3,11 +3,54 @@
 use campaign::{
     Axis, Campaign, Direction, InitialState, Protocol, Provenance, RigData, Run, Specimen,
 };
+use friction::LawKind;
+use planting::law::Law;
 use planting::machine::Recording;
 use planting::plan::{Axis as PlannedAxis, Plan, RunPlan};
 
 /// Height of the bristle roots in planted brushes, m, for [`campaign()`].
 pub const HEIGHT_M: f64 = 7.2e-3;
+
+/// Parameters of a planted law in the program's order and names.
+pub fn parameters(law: &Law) -> (LawKind, Vec<f64>) {
+    match law {
+        Law::AsymmetricBristle(b) => {
+            let common = vec![
+                b.theta_c / b.sigma,
+                b.theta_s / b.sigma,
+                b.sigma0,
+                b.sigma1,
+                b.sigma2,
+                b.w_sc,
+            ];
+            if b.theta0_rad == 0.0 {
+                (LawKind::SymmetricBristle, common)
+            } else {
+                (
+                    LawKind::AsymmetricBristle,
+                    [common, vec![b.theta0_rad]].concat(),
+                )
+            }
+        }
+        Law::Lugre(d) => (
+            LawKind::Lugre,
+            vec![
+                d.coulomb,
+                d.breakaway,
+                d.stribeck_speed,
+                d.stiffness,
+                d.damping,
+                d.viscous,
+            ],
+        ),
+        Law::Dahl(d) => (LawKind::Dahl, vec![d.coulomb, d.stiffness]),
+        Law::Stribeck(d) => (
+            LawKind::Stribeck,
+            vec![d.coulomb, d.breakaway, d.stribeck_speed, d.viscous],
+        ),
+        Law::CoulombViscous(d) => (LawKind::CoulombViscous, vec![d.coulomb, d.viscous]),
+    }
+}
 
 /// The campaign that a loss-free logger would have written.
 pub fn campaign(plan: &Plan, recordings: &[Recording]) -> Campaign {

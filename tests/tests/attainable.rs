@@ -6,8 +6,8 @@ use std::path::Path;
 use fitting::noise::Sizes;
 use friction::LawKind;
 use identification::{Question, identify, least_sd};
-use planting::law::Law;
 use planting::stand_ins::Recipe;
+use whole_program::measured::parameters;
 
 /// Half width of a normal 95 % interval, standard deviations.
 const NORMAL: f64 = 1.959_964;
@@ -25,19 +25,12 @@ struct Row {
 fn rows(material: &str) -> Vec<Row> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/campaigns");
     let recipe = Recipe::read(&folder).unwrap();
-    let Law::AsymmetricBristle(b) = recipe.law(material, recipe.lean_rad().unwrap()).unwrap()
-    else {
-        panic!("the stand-ins are of bristles");
-    };
-    let truth = [
-        b.theta_c / b.sigma,
-        b.theta_s / b.sigma,
-        b.sigma0,
-        b.sigma1,
-        b.sigma2,
-        b.w_sc,
-        b.theta0_rad,
-    ];
+    let (law, truth) = parameters(&recipe.law(material, recipe.lean_rad().unwrap()).unwrap());
+    assert_eq!(
+        law,
+        LawKind::AsymmetricBristle,
+        "the stand-ins are of bristles"
+    );
     let noise = recipe.noise().unwrap();
     let sizes = Sizes {
         sensor: noise.sensor_n,
@@ -47,7 +40,6 @@ fn rows(material: &str) -> Vec<Row> {
         scatter: noise.scatter,
     };
     let campaign = campaign::open(&folder.join(format!("brush-2x2-{material}"))).unwrap();
-    let law = LawKind::AsymmetricBristle;
     let bound = least_sd(&campaign, law, &truth, &sizes).unwrap().unwrap();
     let found = identify(&campaign, &Question::of(law)).unwrap();
     found

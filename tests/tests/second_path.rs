@@ -2,52 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use friction::LawKind;
-use planting::law::Law;
 use planting::{Base, Case, NoiseKind, Protocol};
 use rig::{Experiment, Model};
-use whole_program::measured::campaign;
-
-/// Parameters of a planted law in the program's order and names.
-fn parameters(law: &Law) -> (LawKind, Vec<f64>) {
-    match law {
-        Law::AsymmetricBristle(b) => {
-            let common = vec![
-                b.theta_c / b.sigma,
-                b.theta_s / b.sigma,
-                b.sigma0,
-                b.sigma1,
-                b.sigma2,
-                b.w_sc,
-            ];
-            if b.theta0_rad == 0.0 {
-                (LawKind::SymmetricBristle, common)
-            } else {
-                (
-                    LawKind::AsymmetricBristle,
-                    [common, vec![b.theta0_rad]].concat(),
-                )
-            }
-        }
-        Law::Lugre(d) => (
-            LawKind::Lugre,
-            vec![
-                d.coulomb,
-                d.breakaway,
-                d.stribeck_speed,
-                d.stiffness,
-                d.damping,
-                d.viscous,
-            ],
-        ),
-        Law::Dahl(d) => (LawKind::Dahl, vec![d.coulomb, d.stiffness]),
-        Law::Stribeck(d) => (
-            LawKind::Stribeck,
-            vec![d.coulomb, d.breakaway, d.stribeck_speed, d.viscous],
-        ),
-        Law::CoulombViscous(d) => (LawKind::CoulombViscous, vec![d.coulomb, d.viscous]),
-    }
-}
+use whole_program::measured::{campaign, parameters};
 
 /// Largest difference between planted and predicted force as a share of the largest force, and how many samples
 /// differ by more than `tolerance`.

@@ -3,7 +3,7 @@
 use biped::gait::STANDING;
 use biped::gait::motion::{Motion, Sample};
 use biped::kinematics::{COORDINATES, Leg, leg_points};
-use biped::parameters::Biped;
+use biped::parameters::{Biped, Link};
 use report::Evidence;
 use report::figure::{Animation, Drawing, Figure, Frame, Ink, Provenance, Shape};
 
@@ -49,41 +49,27 @@ pub(super) fn machine(biped: &Biped) -> Figure {
     body(biped, &q, &mut shapes);
     let front = leg_points(biped, &q, Leg::Front);
     let rear = leg_points(biped, &q, Leg::Rear);
-    let between = |a: [f64; 2], b: [f64; 2], part: f64| {
+    // Where a link's mass centre lies between its ends.
+    let along = |link: &Link, a: [f64; 2], b: [f64; 2]| {
+        let part = link.centre_m / link.length_m;
         [a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1])]
     };
     let masses = [
         ([q[0], q[1]], biped.torso_mass_kg),
         (
-            between(
-                front.hip,
-                front.knee,
-                biped.thigh.centre_m / biped.thigh.length_m,
-            ),
+            along(&biped.thigh, front.hip, front.knee),
             biped.thigh.mass_kg,
         ),
         (
-            between(
-                front.knee,
-                front.foot,
-                biped.shank.centre_m / biped.shank.length_m,
-            ),
+            along(&biped.shank, front.knee, front.foot),
             biped.shank.mass_kg,
         ),
         (
-            between(
-                rear.hip,
-                rear.knee,
-                biped.thigh.centre_m / biped.thigh.length_m,
-            ),
+            along(&biped.thigh, rear.hip, rear.knee),
             biped.thigh.mass_kg,
         ),
         (
-            between(
-                rear.knee,
-                rear.foot,
-                biped.shank.centre_m / biped.shank.length_m,
-            ),
+            along(&biped.shank, rear.knee, rear.foot),
             biped.shank.mass_kg,
         ),
     ];

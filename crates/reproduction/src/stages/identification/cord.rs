@@ -20,7 +20,8 @@ use crate::stage::StageError;
 const STIFFNESSES: [f64; 6] = [1e4, 5e3, 2e3, 1e3, 7e2, 5e2];
 /// The same for a quick look.
 const QUICK: [f64; 3] = [1e4, 2e3, 1e3];
-const NAMES: [&str; 7] = [
+/// Parameters of the asymmetric law that data can tell, the lean last.
+pub(super) const NAMES: [&str; 7] = [
     "theta_c_over_sigma",
     "theta_s_over_sigma",
     "sigma0",

@@ -5,6 +5,7 @@ use identification::LawFit;
 use report::figure::Provenance;
 use report::{Cell, Column, Evidence, Table};
 
+use super::cord::NAMES;
 use super::{HeldLean, Identified};
 
 fn symbol(name: &str) -> &str {
@@ -185,15 +186,10 @@ fn weakest(materials: &[Identified]) -> Evidence {
     }
 }
 
-/// Parameters that move with the lean.
-const BESIDE_THE_LEAN: [&str; 6] = [
-    "theta_c_over_sigma",
-    "theta_s_over_sigma",
-    "sigma0",
-    "sigma1",
-    "sigma2",
-    "omega_sc",
-];
+/// Parameters that move with the lean: all of the law's but the lean itself, its last.
+fn beside_the_lean() -> impl Iterator<Item = &'static str> {
+    NAMES[..NAMES.len() - 1].iter().copied()
+}
 
 pub(super) fn held_leans(one: &Identified, leans: &[HeldLean]) -> Table {
     let row = |name: Cell, found: &identification::Identification| {
@@ -201,7 +197,7 @@ pub(super) fn held_leans(one: &Identified, leans: &[HeldLean]) -> Table {
             name,
             Cell::Digits(found.value("theta0").unwrap_or(f64::NAN), 3),
         ];
-        for parameter in BESIDE_THE_LEAN {
+        for parameter in beside_the_lean() {
             cells.push(Cell::Digits(found.value(parameter).unwrap_or(f64::NAN), 4));
         }
         cells.push(Cell::Digits(found.quality.rmse, 3));
@@ -221,7 +217,7 @@ pub(super) fn held_leans(one: &Identified, leans: &[HeldLean]) -> Table {
         Column::text("theta0 held at the lean of"),
         Column::number(symbol("theta0"), "rad"),
     ];
-    for name in BESIDE_THE_LEAN {
+    for name in beside_the_lean() {
         let unit = one.found.estimate(name).map_or("", |e| e.unit.as_str());
         columns.push(Column::number(symbol(name), unit));
     }
