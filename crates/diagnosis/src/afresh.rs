@@ -6,6 +6,7 @@
 //! their likelihoods, each with the noise that its own residual shows.
 
 use fitting::noise::Whitener;
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::bench::{Bench, Fitted, Stand, Subset};
@@ -82,7 +83,8 @@ pub(crate) fn afresh(
     } else {
         FINISHED
     });
-    let blank = found.without_sizes();
+    // The whole campaign's noise is near a fold's; without one the law alone's says nothing.
+    let blank = found.with_sizes(warm.map(|w| w.sizes));
     let mut stands: Vec<(usize, Stand)> = rough
         .par_iter()
         .filter_map(|(cause, fit)| {
@@ -194,10 +196,17 @@ fn rough_fit(
     };
     let mut tried: Vec<(f64, usize, Vec<f64>)> = Vec::new();
     for (place, law) in laws.iter().enumerate() {
-        for own in own {
+        let mut starts = Vec::with_capacity(own.len());
+        let mut residuals = DMatrix::zeros(subset.len(), own.len());
+        for (own, mut column) in own.iter().zip(residuals.column_iter_mut()) {
             let (model, start) = extended(bench, law, cause, own)?;
-            let residual = subset.gather(&model.predict(&bench.experiment, &start)) - &measured;
-            let cost = whitener.whiten(&residual).norm_squared();
+            let predicted = model.predict(&bench.experiment, &start);
+            column.copy_from(&(subset.gather(&predicted) - &measured));
+            starts.push(start);
+        }
+        let white = whitener.whiten_columns(&residuals);
+        for (start, column) in starts.into_iter().zip(white.column_iter()) {
+            let cost = column.norm_squared();
             if cost.is_finite() {
                 tried.push((cost, place, start));
             }

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use rig::{Cause, Experiment, Model, ModelFile};
 
 use crate::ground::Ground;
+use crate::integrity::is_coarse;
 use crate::samples::Samples;
 
 /// Everything that stays the same while hypotheses come and go.
@@ -29,6 +30,8 @@ pub(crate) struct Bench<'a> {
     pub(crate) repeats: bool,
     /// Samples that say nothing (a clipped channel).
     pub(crate) masked: Vec<bool>,
+    /// Step of the force channel, N, where all forces are multiples of one.
+    pub(crate) step_n: Option<f64>,
 }
 
 /// Knowledge of the law's parameters from a model file: values and the root of their precision.
@@ -296,15 +299,15 @@ impl Residuals for Problem<'_> {
             self.model
                 .predict_with_jacobian(&self.bench.experiment, parameters, Some(columns));
         let r = self.subset.gather(&predicted) - &self.measured;
-        let r = -with_prior_rows(
-            self.bench.prior.as_ref(),
-            -self.whitener.whiten(&r),
-            parameters,
-        );
         let owners: Vec<Option<usize>> = columns.iter().map(|&c| Some(c)).collect();
-        let jacobian = self
-            .whitener
-            .whiten_columns(&self.subset.gather_columns(&jacobian));
+        // The residual travels with the Jacobian: columns are whitened side by side.
+        let both = self.subset.gather_columns(&jacobian);
+        let count = both.ncols();
+        let mut both = both.resize_horizontally(count + 1, 0.0);
+        both.set_column(count, &r);
+        let both = self.whitener.whiten_columns(&both);
+        let r = -with_prior_rows(self.bench.prior.as_ref(), -both.column(count), parameters);
+        let jacobian = both.columns(0, count).into_owned();
         (
             r,
             append_prior(self.bench.prior.as_ref(), jacobian, &owners),
@@ -581,6 +584,21 @@ impl Stand {
             prior_rows,
             deviance,
         }
+    }
+
+    /// The ground with each residual drawn towards zero by half a step of the force channel: what rounding may have made is
+    /// taken out, what is beyond it stays. `None` where the step is lost in the noise.
+    pub(crate) fn beyond_rounding(&self, bench: &Bench<'_>, subset: &Subset) -> Option<Ground> {
+        let half = 0.5 * bench.step_n.filter(|s| is_coarse(*s, self.sizes.sensor))?;
+        let residual =
+            subset.gather(&bench.experiment.measured_n) - subset.gather(&self.fitted.prediction);
+        let left = residual.map(|r| r.signum() * (r.abs() - half).max(0.0));
+        let white = with_prior_rows(
+            bench.prior.as_ref(),
+            self.whitener.whiten(&left),
+            &self.fitted.parameters,
+        );
+        Some(Ground::new(&self.white_jacobian, &self.white_gains, &white))
     }
 
     /// V(s)^-1/2 W J: the whitened Jacobian with the scatter between runs whitened too.

@@ -138,7 +138,8 @@ pub(crate) fn bench<'a>(
         _ => None,
     };
     // Clipped samples say nothing about the law: the flat top is a finding of its own.
-    let masked = match inspect(campaign, 0.0).saturation {
+    let numbers = inspect(campaign, 0.0);
+    let masked = match numbers.saturation {
         Some(level) => campaign
             .runs
             .iter()
@@ -161,6 +162,7 @@ pub(crate) fn bench<'a>(
         stated_sensor,
         repeats: campaign.conditions().iter().any(|c| c.len() > 1),
         masked,
+        step_n: numbers.resolution,
     })
 }
 

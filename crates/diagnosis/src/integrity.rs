@@ -23,8 +23,13 @@ pub(crate) fn inspect(campaign: &Campaign, noise: f64) -> Integrity {
     let step = coarse_step(campaign);
     Integrity {
         saturation: flat_top(campaign, step),
-        resolution: step.filter(|s| *s > 1.5 * noise),
+        resolution: step.filter(|s| is_coarse(*s, noise)),
     }
+}
+
+/// Whether a step of the force channel is more than its white noise hides (both N).
+pub(crate) fn is_coarse(step: f64, noise: f64) -> bool {
+    step > 1.5 * noise
 }
 
 /// The largest |force| where at least two stretches or one long stretch of samples sit on it exactly.

@@ -35,6 +35,7 @@ pub(crate) fn compare(bench: &Bench<'_>, selected: &Selected) -> Vec<LawFit> {
                     stated_sensor: bench.stated_sensor,
                     repeats: bench.repeats,
                     masked: bench.masked.clone(),
+                    step_n: bench.step_n,
                 };
                 other.law_fit(&subset, &stand.sizes)?.prediction
             };

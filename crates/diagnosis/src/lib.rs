@@ -21,6 +21,7 @@ mod ground;
 mod integrity;
 mod intervals;
 mod laws;
+mod marks;
 mod periodic;
 mod probability;
 mod samples;

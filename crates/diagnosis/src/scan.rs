@@ -87,15 +87,15 @@ impl Scan {
 }
 
 impl Scan {
-    /// The same scan for a noise that is to be estimated from scratch.
-    pub(crate) fn without_sizes(&self) -> Self {
+    /// The same scan for a noise that is to be searched from other sizes (`None`: from scratch).
+    pub(crate) fn with_sizes(&self, sizes: Option<Sizes>) -> Self {
         Self {
             candidates: Vec::new(),
             rays: Vec::new(),
             asked: self.asked,
             smooth: self.smooth.clone(),
             absorbed: Vec::new(),
-            sizes: None,
+            sizes,
         }
     }
 }

@@ -11,8 +11,10 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::afresh::{afresh, is_strong};
+use crate::answer::Place;
 use crate::bench::{Bench, Fitted, Stand, Subset};
 use crate::general::{self, Lack};
+use crate::marks::marks;
 use crate::scan::{Candidate, Scan, extended, scan, scan_without, smooth_beside};
 use crate::uniform::is_uniform;
 
@@ -20,6 +22,8 @@ use crate::uniform::is_uniform;
 pub(crate) const ALPHA_NAME: f64 = 0.004;
 /// The same for the general alternative.
 pub(crate) const ALPHA_GENERAL: f64 = 0.004;
+/// Of it, the share that the search for marks on the plate may spend: a mark that matters is far beyond the roughness.
+const MARKS_SHARE: f64 = 0.05;
 /// Samples, repeats counted once, up to which a mass on a cord is fitted from several starts.
 const MOST_SAMPLES_AFRESH: usize = 15_000;
 /// Where this many causes together are needed, none is named: one cause outside the catalogue is likelier than so many in it.
@@ -29,6 +33,8 @@ const SURVIVORS: usize = 6;
 /// A catalogue's shape is taken to be right to this share of an effect's amplitude: less than its square of what is
 /// explained may be the wrong shape of a named cause, and is no ground for naming another.
 pub(crate) const SHAPE_TOLERANCE: f64 = 0.15;
+/// How many times more than its score says a fit may save.
+const NONLINEAR: f64 = 3.0;
 /// Where something is left that nothing explains, causes stay named only if they explain this share of all of it.
 const DOMINANT: f64 = 0.75;
 
@@ -293,7 +299,7 @@ pub(crate) fn select(
             break;
         };
         // The first round asks all that come near; later ones must pass on their own.
-        if top.log_p > threshold {
+        if top.log_p > threshold || cannot_matter(round, found, explained) {
             break;
         }
         let Some(step) = step(bench, subset, stand, found, threshold, depth, warm) else {
@@ -345,6 +351,14 @@ pub(crate) fn select(
     refuse_beside_step(bench, subset, &mut selected, -2.0 * threshold);
     keep_dominant(bench, subset, &mut selected);
     Some(selected)
+}
+
+/// Whether what is seen beside a named cause lies so far within the tolerance of that cause's shape that no fit can lift it
+/// out: a fit saves more than its score says where an effect is far from linear, but not [`NONLINEAR`] times more.
+fn cannot_matter(round: usize, found: &Scan, explained: f64) -> bool {
+    let scores = found.candidates.iter().map(|c| c.score.z().powi(2));
+    let most = scores.fold(0.0, f64::max);
+    round > 0 && NONLINEAR * most < SHAPE_TOLERANCE.powi(2) * explained
 }
 
 /// The model that a round proposes.
@@ -536,14 +550,28 @@ pub(crate) fn lack(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Lack {
             white.resize_vertically(n + stand.prior_rows, 0.0)
         })
         .collect();
-    let smooth = general::test(&stand.ground, &families, &white, &samples, &names);
-    let burst = general::bursts(&stand.ground, &samples, &names);
-    let (mut best, other) = if smooth.log_p <= burst.log_p {
-        (smooth, burst)
-    } else {
-        (burst, smooth)
+    let coarse = stand.beyond_rounding(bench, subset);
+    let ground = coarse.as_ref().unwrap_or(&stand.ground);
+    let smooth = general::test(ground, &families, &white, &samples, &names);
+    let burst = general::bursts(ground, &samples, &names);
+    let mark = marks(bench, stand, ground, subset, &samples, &scale);
+    let paid = |mut lack: Lack, share: f64| {
+        lack.log_p = (lack.log_p - share.ln()).min(0.0);
+        lack
     };
-    best.log_p = (best.log_p.min(other.log_p) + 2.0_f64.ln()).min(0.0);
+    let mark = paid(mark, MARKS_SHARE);
+    let half = 0.5 * (1.0 - MARKS_SHARE);
+    let mut best = mark.clone();
+    for other in [paid(smooth, half), paid(burst, half)] {
+        if other.log_p < best.log_p {
+            best = other;
+        }
+    }
+    // Where a mark is seen on its own, it says most closely where.
+    let on_plate = |place: &Option<Place>| place.as_ref().is_some_and(|p| p.axis == "position");
+    if on_plate(&best.place) && mark.log_p < ALPHA_GENERAL.ln() {
+        best.place = mark.place;
+    }
     best
 }
 

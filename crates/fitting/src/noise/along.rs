@@ -14,6 +14,7 @@
 //! The coefficients do not depend on the data: they are kept, and a column costs ten operations a sample.
 
 use super::context::{Context, Sizes};
+use super::vectors::wide;
 
 /// Columns that are swept together.
 pub(super) const TOGETHER: usize = 8;
@@ -74,6 +75,14 @@ impl Along {
     /// Replaces stacked columns by their whitened innovations. The recursion of a column waits for its own last sample:
     /// several columns side by side keep the processor busy, and no column's arithmetic changes.
     pub(super) fn whiten(&self, columns: &mut [&mut [f64]]) {
+        wide(
+            #[inline(always)]
+            || self.innovations(columns),
+        );
+    }
+
+    #[inline(always)]
+    fn innovations(&self, columns: &mut [&mut [f64]]) {
         for block in columns.chunks_mut(TOGETHER) {
             let (mut u, mut w) = ([0.0; TOGETHER], [0.0; TOGETHER]);
             for i in 0..self.scale.len() {

@@ -28,6 +28,7 @@ mod scatter;
 mod search;
 #[cfg(test)]
 mod tests;
+mod vectors;
 mod whitener;
 
 pub use context::{Context, Sizes};

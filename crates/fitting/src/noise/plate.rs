@@ -13,6 +13,7 @@
 
 use super::along::{Along, TOGETHER};
 use super::context::{Context, Sizes};
+use super::vectors::wide;
 
 /// Entries of a row below this (relative to one) are dropped.
 const FORGOTTEN: f64 = 1e-5;
@@ -159,6 +160,14 @@ impl Rows {
 
     /// A^T x for up to [`TOGETHER`] whitened columns, node by node.
     pub(super) fn transpose_times(&self, columns: &[&[f64]], nodes: usize) -> Vec<[f64; TOGETHER]> {
+        wide(
+            #[inline(always)]
+            || self.gathered(columns, nodes),
+        )
+    }
+
+    #[inline(always)]
+    fn gathered(&self, columns: &[&[f64]], nodes: usize) -> Vec<[f64; TOGETHER]> {
         let mut out = vec![[0.0; TOGETHER]; nodes];
         for i in 0..self.first.len() {
             let mut x = [0.0; TOGETHER];
@@ -241,6 +250,14 @@ impl Information {
 
     /// L^-1 b for [`TOGETHER`] columns, node by node.
     pub(super) fn solve_lower(&self, b: &mut [[f64; TOGETHER]]) {
+        wide(
+            #[inline(always)]
+            || self.substitute(b),
+        );
+    }
+
+    #[inline(always)]
+    fn substitute(&self, b: &mut [[f64; TOGETHER]]) {
         let stride = self.band + 1;
         for j in 0..self.nodes {
             let own = &self.factor[j * stride..(j + 1) * stride];

@@ -15,6 +15,7 @@ use super::along::{Along, TOGETHER};
 use super::context::{Context, Sizes};
 use super::plate::{Grid, Information, Rows};
 use super::scatter::orthonormal_basis;
+use super::vectors::wide;
 
 /// The data of the criterion, its columns orthonormalised once.
 pub(super) struct Criterion<'a> {
@@ -95,6 +96,14 @@ impl<'a> Criterion<'a> {
 
 /// X'X, by dot products in eight lanes.
 pub(super) fn gram(columns: &DMatrix<f64>) -> DMatrix<f64> {
+    wide(
+        #[inline(always)]
+        || gram_by_dots(columns),
+    )
+}
+
+#[inline(always)]
+fn gram_by_dots(columns: &DMatrix<f64>) -> DMatrix<f64> {
     let p = columns.ncols();
     let n = columns.nrows();
     let data = columns.as_slice();
@@ -109,6 +118,7 @@ pub(super) fn gram(columns: &DMatrix<f64>) -> DMatrix<f64> {
     out
 }
 
+#[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut lanes = [0.0; 8];
     let (ca, cb) = (a.chunks_exact(8), b.chunks_exact(8));

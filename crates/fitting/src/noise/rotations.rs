@@ -9,6 +9,7 @@
 use super::along::TOGETHER;
 use super::context::Sizes;
 use super::plate::{Grid, Rows};
+use super::vectors::wide;
 
 /// Remaining entries of a row below this, relative to the triangle's diagonal, end its sweep.
 const NEGLIGIBLE: f64 = 1e-5;
@@ -82,6 +83,14 @@ impl Rotations {
 
     /// Applies the rotations to up to [`TOGETHER`] columns at once.
     pub(super) fn whiten(&self, columns: &mut [&mut [f64]]) {
+        wide(
+            #[inline(always)]
+            || self.sweep(columns),
+        );
+    }
+
+    #[inline(always)]
+    fn sweep(&self, columns: &mut [&mut [f64]]) {
         for block in columns.chunks_mut(TOGETHER) {
             let mut field = vec![[0.0; TOGETHER]; self.nodes];
             for i in 0..self.first.len() {

@@ -91,10 +91,11 @@ impl Whitener {
     }
 
     fn add_scatter(&mut self, context: &Context, scatter: f64) {
-        let gains = self.whiten_columns(&gain_columns_or_blocks(context));
-        let root = if context.runs.len() <= RUNS_TOGETHER {
-            ScatterRoot::joint(&gains, scatter)
+        // Without a field that they share runs are independent: run by run is then exact.
+        let root = if self.rotations.is_some() && context.runs.len() <= RUNS_TOGETHER {
+            ScatterRoot::joint(&self.whiten_columns(&gain_columns(context)), scatter)
         } else {
+            let gains = self.whiten_columns(&all_gains(context));
             ScatterRoot::run_by_run(context, &gains, scatter)
         };
         self.log_det += root.log_det();
@@ -240,11 +241,7 @@ fn remove(x: &mut [f64], u: &[f64], shrink: f64) {
     }
 }
 
-/// One column a run, or, for very many runs, one column that holds every run's own force.
-fn gain_columns_or_blocks(context: &Context) -> DMatrix<f64> {
-    if context.runs.len() <= RUNS_TOGETHER {
-        gain_columns(context)
-    } else {
-        DMatrix::from_column_slice(context.samples(), 1, &context.scale)
-    }
+/// One column that holds every run's own force.
+fn all_gains(context: &Context) -> DMatrix<f64> {
+    DMatrix::from_column_slice(context.samples(), 1, &context.scale)
 }
