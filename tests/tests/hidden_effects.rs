@@ -170,6 +170,24 @@ fn aliens_are_refused() {
     assert_none(&complaints(&trials, &[Verdict::Right]));
 }
 
+/// A scratch that every run passes is no roughness of the plate, on the paper's protocol too.
+#[test]
+fn a_scratch_is_refused_on_the_papers_protocol() {
+    let case =
+        Case::one("alien-scratch", 1.0, Protocol::PaperBlocked, SEED + 250).of_specimen(SEED);
+    assert_none(&complaints(
+        &[trial(Group::Alien, case, 5.0, None)],
+        &[Verdict::Right],
+    ));
+}
+
+/// A coarse force channel is named, and what its rounding leaves is not called unexplained.
+#[test]
+fn a_coarse_channel_leaves_nothing_unexplained() {
+    let trials = singles(&["force-resolution"], Protocol::PaperBlocked, 20.0);
+    assert_none(&complaints(&trials, &[Verdict::Right]));
+}
+
 /// Two causes at once are two findings.
 #[test]
 fn a_pair_is_two_findings() {

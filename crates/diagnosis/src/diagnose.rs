@@ -500,6 +500,9 @@ fn finding(
     }
 }
 
+/// Relative accuracy to which a step or a level can be read off numbers that were written in decimals.
+const READ: f64 = 1e-9;
+
 /// Findings that the numbers themselves show.
 fn integrity_findings(bench: &Bench<'_>, integrity: &Integrity) -> Vec<Finding> {
     let rotary = bench.experiment.axis == campaign::Axis::Rotary;
@@ -523,7 +526,7 @@ fn integrity_findings(bench: &Bench<'_>, integrity: &Integrity) -> Vec<Finding> 
                 parameters: vec![Estimate {
                     name: name.into(),
                     value,
-                    ci95: Some([value, value]),
+                    ci95: Some([value * (1.0 - READ), value * (1.0 + READ)]),
                     unit: unit.into(),
                 }],
                 gain: None,

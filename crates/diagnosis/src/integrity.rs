@@ -92,5 +92,8 @@ fn coarse_step(campaign: &Campaign) -> Option<f64> {
         let k = (w[1] - w[0]) / step;
         (k - k.round()).abs() < 0.02 * k.max(1.0)
     });
+    // Over the whole span the rounding of single differences is lost.
+    let span = values[values.len() - 1] - values[0];
+    let step = span / (span / step).round();
     (multiples && step > 1e-6 * top).then_some(step)
 }
