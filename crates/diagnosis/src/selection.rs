@@ -7,27 +7,23 @@
 //!    each cause of the set to do without, or to be replaced.
 
 use fitting::noise::{Sizes, Whitener};
-use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::afresh::{afresh, is_strong};
-use crate::answer::Place;
 use crate::bench::{Bench, Fitted, Stand, Subset};
-use crate::general::{self, Lack};
-use crate::marks::marks;
+use crate::general::Lack;
+use crate::left::lack;
+use crate::refusal::take_back;
 use crate::scan::{Candidate, Scan, extended, scan, scan_without, smooth_beside};
-use crate::uniform::is_uniform;
 
 /// Family-wise probability of naming a cause where there is none: half of the campaign's one percent.
 pub(crate) const ALPHA_NAME: f64 = 0.004;
 /// The same for the general alternative.
 pub(crate) const ALPHA_GENERAL: f64 = 0.004;
-/// Of it, the share that the search for marks on the plate may spend: a mark that matters is far beyond the roughness.
-const MARKS_SHARE: f64 = 0.05;
 /// Samples, repeats counted once, up to which a mass on a cord is fitted from several starts.
 const MOST_SAMPLES_AFRESH: usize = 15_000;
 /// Where this many causes together are needed, none is named: one cause outside the catalogue is likelier than so many in it.
-const MOST_EFFECTS: usize = 4;
+pub(crate) const MOST_EFFECTS: usize = 4;
 /// Joint fits tried in each round.
 const SURVIVORS: usize = 6;
 /// A catalogue's shape is taken to be right to this share of an effect's amplitude: less than its square of what is
@@ -35,8 +31,6 @@ const SURVIVORS: usize = 6;
 pub(crate) const SHAPE_TOLERANCE: f64 = 0.15;
 /// How many times more than its score says a fit may save.
 const NONLINEAR: f64 = 3.0;
-/// Where something is left that nothing explains, causes stay named only if they explain this share of all of it.
-const DOMINANT: f64 = 0.75;
 
 /// How thorough a selection is.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -347,9 +341,7 @@ pub(crate) fn select(
         entry_log_p: entry,
         singles,
     };
-    refuse_uneven(bench, subset, &mut selected);
-    refuse_beside_step(bench, subset, &mut selected, -2.0 * threshold);
-    keep_dominant(bench, subset, &mut selected);
+    take_back(bench, subset, &mut selected, -2.0 * threshold);
     Some(selected)
 }
 
@@ -530,143 +522,4 @@ pub(crate) fn without(fitted: &Fitted, k: usize) -> Vec<f64> {
     let mut p = fitted.parameters[..span.start].to_vec();
     p.extend_from_slice(&fitted.parameters[span.end..]);
     p
-}
-
-/// The general lack-of-fit test beside a stand.
-pub(crate) fn lack(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Lack {
-    let samples = subset.samples(bench);
-    let scale: Vec<f64> = subset
-        .gather(&stand.fitted.prediction)
-        .iter()
-        .copied()
-        .collect();
-    let names = bench.run_names(subset);
-    let families = general::families(&samples, &scale, stand.sizes.length);
-    let white: Vec<DMatrix<f64>> = families
-        .iter()
-        .map(|f| {
-            let white = stand.whitener.whiten_columns(&f.columns);
-            let n = white.nrows();
-            white.resize_vertically(n + stand.prior_rows, 0.0)
-        })
-        .collect();
-    let coarse = stand.beyond_rounding(bench, subset);
-    let ground = coarse.as_ref().unwrap_or(&stand.ground);
-    let smooth = general::test(ground, &families, &white, &samples, &names);
-    let burst = general::bursts(ground, &samples, &names);
-    let mark = marks(bench, stand, ground, subset, &samples, &scale);
-    let paid = |mut lack: Lack, share: f64| {
-        lack.log_p = (lack.log_p - share.ln()).min(0.0);
-        lack
-    };
-    let mark = paid(mark, MARKS_SHARE);
-    let half = 0.5 * (1.0 - MARKS_SHARE);
-    let mut best = mark.clone();
-    for other in [paid(smooth, half), paid(burst, half)] {
-        if other.log_p < best.log_p {
-            best = other;
-        }
-    }
-    // Where a mark is seen on its own, it says most closely where.
-    let on_plate = |place: &Option<Place>| place.as_ref().is_some_and(|p| p.axis == "position");
-    if on_plate(&best.place) && mark.log_p < ALPHA_GENERAL.ln() {
-        best.place = mark.place;
-    }
-    best
-}
-
-/// Where a named cause does not act everywhere that its signature says, or where causes pile up, nothing is named: the
-/// structure has another cause.
-fn refuse_uneven(bench: &Bench<'_>, subset: &Subset, selected: &mut Selected) {
-    let count = selected.stand.fitted.effects.len();
-    if count < MOST_EFFECTS && (0..count).all(|k| is_uniform(bench, subset, &selected.stand, k)) {
-        return;
-    }
-    let seen = selected.entry_log_p.iter().copied().fold(0.0, f64::min);
-    let fitted = selected.baseline.fitted.clone();
-    selected.stand = Stand::new(bench, subset, fitted, selected.stand.sizes);
-    selected.entry_log_p.clear();
-    selected.left = lack(bench, subset, &selected.stand);
-    selected.left.log_p = selected.left.log_p.min(seen);
-}
-
-/// Where one step of friction somewhere on the plate explains more than all named causes together, nothing is named: a step
-/// in the middle looks like a gradient, three quarters of it.
-fn refuse_beside_step(bench: &Bench<'_>, subset: &Subset, selected: &mut Selected, margin: f64) {
-    if selected.stand.fitted.effects.is_empty() {
-        return;
-    }
-    let stand = &selected.baseline;
-    let explained = stand.deviance - selected.stand.deviance;
-    let samples = subset.samples(bench);
-    let scale = subset.gather(&stand.fitted.prediction);
-    let columns = general::steps(&samples, scale.as_slice());
-    let white = stand.whitener.whiten_columns(&columns.columns);
-    let rows = white.nrows() + stand.prior_rows;
-    let white = white.resize_vertically(rows, 0.0);
-    let strongest = (0..white.ncols())
-        .filter_map(|j| {
-            let direction = stand.ground.direction(&white.columns(j, 1).into_owned())?;
-            let score = stand.ground.score(&direction);
-            Some((score.statistic, j, score.log_p))
-        })
-        .max_by(|a, b| a.0.total_cmp(&b.0));
-    let Some((statistic, j, log_p)) = strongest else {
-        return;
-    };
-    if statistic < explained + margin {
-        return;
-    }
-    let fitted = stand.fitted.clone();
-    let place = columns.place(j, &bench.run_names(subset));
-    selected.stand = Stand::new(bench, subset, fitted, selected.stand.sizes);
-    selected.entry_log_p.clear();
-    selected.left = Lack {
-        log_p,
-        place: Some(place),
-        excess: statistic,
-    };
-}
-
-/// Where something is left that nothing explains: only causes that explain most of it stay named.
-fn keep_dominant(bench: &Bench<'_>, subset: &Subset, selected: &mut Selected) {
-    if selected.stand.fitted.effects.is_empty() || selected.left.log_p > ALPHA_GENERAL.ln() {
-        return;
-    }
-    let explained = selected.baseline.deviance - selected.stand.deviance;
-    let share = explained / (explained + selected.left.excess).max(1e-300);
-    let first_alone = selected
-        .singles
-        .iter()
-        .find(|s| selected.stand.fitted.effects.first() == Some(&s.cause))
-        .map_or(0.0, |s| {
-            selected.baseline.deviance - selected.stand.deviance_of(bench, subset, &s.fitted)
-        });
-    let alone = first_alone / (explained + selected.left.excess).max(1e-300);
-    let several = selected.stand.fitted.effects.len() > 1;
-    if several && share >= 0.9 || !several && share >= DOMINANT {
-        return;
-    }
-    let sizes = selected.stand.sizes;
-    let keep = (several && alone >= DOMINANT)
-        .then(|| {
-            selected
-                .singles
-                .iter()
-                .find(|s| selected.stand.fitted.effects.first() == Some(&s.cause))
-                .cloned()
-        })
-        .flatten();
-    let fitted = match keep {
-        Some(single) => {
-            selected.entry_log_p.truncate(1);
-            single.fitted
-        }
-        None => {
-            selected.entry_log_p.clear();
-            selected.baseline.fitted.clone()
-        }
-    };
-    selected.stand = Stand::new(bench, subset, fitted, sizes);
-    selected.left = lack(bench, subset, &selected.stand);
 }

@@ -1,0 +1,57 @@
+//! What is left beside a fitted model, whatever it is: smooth structure over the plate, speed or time, short bursts, marks on
+//! the plate. The three searches pay for one another by Bonferroni's bound.
+
+use nalgebra::DMatrix;
+
+use crate::answer::Place;
+use crate::bench::{Bench, Stand, Subset};
+use crate::bursts::bursts;
+use crate::general::{self, Lack};
+use crate::marks::marks;
+use crate::selection::ALPHA_GENERAL;
+
+/// Of it, the share that the search for marks on the plate may spend: a mark that matters is far beyond the roughness.
+const MARKS_SHARE: f64 = 0.05;
+
+/// The general lack-of-fit test beside a stand.
+pub(crate) fn lack(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Lack {
+    let samples = subset.samples(bench);
+    let scale: Vec<f64> = subset
+        .gather(&stand.fitted.prediction)
+        .iter()
+        .copied()
+        .collect();
+    let names = bench.run_names(subset);
+    let families = general::families(&samples, &scale, stand.sizes.length);
+    let white: Vec<DMatrix<f64>> = families
+        .iter()
+        .map(|f| {
+            let white = stand.whitener.whiten_columns(&f.columns);
+            let n = white.nrows();
+            white.resize_vertically(n + stand.prior_rows, 0.0)
+        })
+        .collect();
+    let coarse = stand.beyond_rounding(bench, subset);
+    let ground = coarse.as_ref().unwrap_or(&stand.ground);
+    let smooth = general::test(ground, &families, &white, &samples, &names);
+    let burst = bursts(ground, &samples, &names);
+    let mark = marks(bench, stand, ground, subset, &samples, &scale);
+    let paid = |mut lack: Lack, share: f64| {
+        lack.log_p = (lack.log_p - share.ln()).min(0.0);
+        lack
+    };
+    let mark = paid(mark, MARKS_SHARE);
+    let half = 0.5 * (1.0 - MARKS_SHARE);
+    let mut best = mark.clone();
+    for other in [paid(smooth, half), paid(burst, half)] {
+        if other.log_p < best.log_p {
+            best = other;
+        }
+    }
+    // Where a mark is seen on its own, it says most closely where.
+    let on_plate = |place: &Option<Place>| place.as_ref().is_some_and(|p| p.axis == "position");
+    if on_plate(&best.place) && mark.log_p < ALPHA_GENERAL.ln() {
+        best.place = mark.place;
+    }
+    best
+}

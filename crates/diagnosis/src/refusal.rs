@@ -1,0 +1,113 @@
+//! When names are taken back: a refusal beats a wrong name.
+
+use crate::bench::{Bench, Stand, Subset};
+use crate::general::{self, Lack};
+use crate::left::lack;
+use crate::selection::{ALPHA_GENERAL, MOST_EFFECTS, Selected};
+use crate::uniform::is_uniform;
+
+/// Where something is left that nothing explains, causes stay named only if they explain this share of all of it.
+const DOMINANT: f64 = 0.75;
+
+/// Asks of a finished selection whether its names may stay; `worth`: deviance that a further cause must save.
+pub(crate) fn take_back(bench: &Bench<'_>, subset: &Subset, selected: &mut Selected, worth: f64) {
+    refuse_uneven(bench, subset, selected);
+    refuse_beside_step(bench, subset, selected, worth);
+    keep_dominant(bench, subset, selected);
+}
+
+/// Where a named cause does not act everywhere that its signature says, or where causes pile up, nothing is named: the
+/// structure has another cause.
+fn refuse_uneven(bench: &Bench<'_>, subset: &Subset, selected: &mut Selected) {
+    let count = selected.stand.fitted.effects.len();
+    if count < MOST_EFFECTS && (0..count).all(|k| is_uniform(bench, subset, &selected.stand, k)) {
+        return;
+    }
+    let seen = selected.entry_log_p.iter().copied().fold(0.0, f64::min);
+    let fitted = selected.baseline.fitted.clone();
+    selected.stand = Stand::new(bench, subset, fitted, selected.stand.sizes);
+    selected.entry_log_p.clear();
+    selected.left = lack(bench, subset, &selected.stand);
+    selected.left.log_p = selected.left.log_p.min(seen);
+}
+
+/// Where one step of friction somewhere on the plate explains more than all named causes together, nothing is named: a step
+/// in the middle looks like a gradient, three quarters of it.
+fn refuse_beside_step(bench: &Bench<'_>, subset: &Subset, selected: &mut Selected, margin: f64) {
+    if selected.stand.fitted.effects.is_empty() {
+        return;
+    }
+    let stand = &selected.baseline;
+    let explained = stand.deviance - selected.stand.deviance;
+    let samples = subset.samples(bench);
+    let scale = subset.gather(&stand.fitted.prediction);
+    let columns = general::steps(&samples, scale.as_slice());
+    let white = stand.whitener.whiten_columns(&columns.columns);
+    let rows = white.nrows() + stand.prior_rows;
+    let white = white.resize_vertically(rows, 0.0);
+    let strongest = (0..white.ncols())
+        .filter_map(|j| {
+            let direction = stand.ground.direction(&white.columns(j, 1).into_owned())?;
+            let score = stand.ground.score(&direction);
+            Some((score.statistic, j, score.log_p))
+        })
+        .max_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((statistic, j, log_p)) = strongest else {
+        return;
+    };
+    if statistic < explained + margin {
+        return;
+    }
+    let fitted = stand.fitted.clone();
+    let place = columns.place(j, &bench.run_names(subset));
+    selected.stand = Stand::new(bench, subset, fitted, selected.stand.sizes);
+    selected.entry_log_p.clear();
+    selected.left = Lack {
+        log_p,
+        place: Some(place),
+        excess: statistic,
+    };
+}
+
+/// Where something is left that nothing explains: only causes that explain most of it stay named.
+fn keep_dominant(bench: &Bench<'_>, subset: &Subset, selected: &mut Selected) {
+    if selected.stand.fitted.effects.is_empty() || selected.left.log_p > ALPHA_GENERAL.ln() {
+        return;
+    }
+    let explained = selected.baseline.deviance - selected.stand.deviance;
+    let share = explained / (explained + selected.left.excess).max(1e-300);
+    let first_alone = selected
+        .singles
+        .iter()
+        .find(|s| selected.stand.fitted.effects.first() == Some(&s.cause))
+        .map_or(0.0, |s| {
+            selected.baseline.deviance - selected.stand.deviance_of(bench, subset, &s.fitted)
+        });
+    let alone = first_alone / (explained + selected.left.excess).max(1e-300);
+    let several = selected.stand.fitted.effects.len() > 1;
+    if several && share >= 0.9 || !several && share >= DOMINANT {
+        return;
+    }
+    let sizes = selected.stand.sizes;
+    let keep = (several && alone >= DOMINANT)
+        .then(|| {
+            selected
+                .singles
+                .iter()
+                .find(|s| selected.stand.fitted.effects.first() == Some(&s.cause))
+                .cloned()
+        })
+        .flatten();
+    let fitted = match keep {
+        Some(single) => {
+            selected.entry_log_p.truncate(1);
+            single.fitted
+        }
+        None => {
+            selected.entry_log_p.clear();
+            selected.baseline.fitted.clone()
+        }
+    };
+    selected.stand = Stand::new(bench, subset, fitted, sizes);
+    selected.left = lack(bench, subset, &selected.stand);
+}
