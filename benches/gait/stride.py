@@ -17,9 +17,7 @@ LC1, LC2, L0, L1, L2 = 0.05, 0.05, 0.6, 0.3, 0.3
 LIMIT, GRAVITY = 35.0, 9.81
 A = np.array([[5 / 12, -1 / 12], [3 / 4, 1 / 4]])
 B = np.array([3 / 4, 1 / 4])
-INTERVALS = [8, 5, 8, 5]
 STANCE = [0, None, 1, None]
-PHASE_START = [0, 8, 13, 21]
 RATE_LIMIT = 60.0
 RATE_WEIGHT = 1e-6
 
@@ -100,8 +98,10 @@ def point_function(stance, rigid):
 class Stride:
     """Variables, constraints and solver of one kind of stride."""
 
-    def __init__(self, rigid=False, options=None):
+    def __init__(self, rigid=False, options=None, mesh=(8, 5), longest_stance_s=0.1, rate_limit=RATE_LIMIT,
+                 hip_deg=(-110, 70), foot_depth_m=0.05):
         self.rigid = rigid
+        self.intervals = [mesh[p % 2] for p in range(4)]
         x, lower, upper, scale = [], [], [], []
         g, gl, gu = [], [], []
         self.names = {}
@@ -125,11 +125,11 @@ class Stride:
 
         inf = np.inf
         deg = np.pi / 180
-        ql = np.array([-inf, -inf, -25 * deg, -110 * deg, 10 * deg, -110 * deg, 10 * deg])
-        qu = np.array([inf, inf, 25 * deg, 70 * deg, 150 * deg, 70 * deg, 150 * deg])
+        ql = np.array([-inf, -inf, -25 * deg, hip_deg[0] * deg, 10 * deg, hip_deg[0] * deg, 10 * deg])
+        qu = np.array([inf, inf, 25 * deg, hip_deg[1] * deg, 150 * deg, hip_deg[1] * deg, 150 * deg])
         par = ca.MX.sym("par", 5)
         weight, aim = ca.MX.sym("weight"), ca.MX.sym("aim")
-        T = [var(f"T{p}", 1, 0.02 if STANCE[p] is not None else 0.01, 0.1, 0.05) for p in range(4)]
+        T = [var(f"T{p}", 1, 0.02 if STANCE[p] is not None else 0.01, longest_stance_s if STANCE[p] is not None else 0.1, 0.05) for p in range(4)]
         period, speed = var("T", 1, 0.05, 2.0, 0.2), var("V", 1, -5, 40, 5.0)
         share = [var(f"f{p}", 1, 0.0, 1.0, 0.25) for p in range(4)]
         con(sum(T) - period)
@@ -142,8 +142,9 @@ class Stride:
         functions = {s: point_function(s, rigid) for s in (0, None, 1)}
         self.points = []
         for p in range(4):
-            n = INTERVALS[p]
+            n = self.intervals[p]
             h = T[p] / n
+            fine = (8, 5)[p % 2] / n
             qs, ws = last[0], w0[p]
             for i in range(n):
                 stage = []
@@ -152,8 +153,8 @@ class Stride:
                     stage.append(
                         (
                             var("q" + tag, 7, ql, qu, 1.0),
-                            var("w" + tag, 7, -inf, inf, 0.05),
-                            var("b" + tag, 7, -inf, inf, 0.01),
+                            var("w" + tag, 7, -inf, inf, 0.05 * fine),
+                            var("b" + tag, 7, -inf, inf, 0.01 * fine**2),
                             var("u" + tag, 4, -LIMIT, LIMIT, LIMIT),
                         )
                     )
@@ -177,12 +178,12 @@ class Stride:
                                 con(heights[leg])
                         elif leg == STANCE[p]:
                             if not rigid:
-                                con(heights[leg], -0.05, 0)
+                                con(heights[leg], -foot_depth_m, 0)
                         else:
                             con(heights[leg], 0, inf)
                     con(heights[2:4], 0.02, inf)
-                    con(w[3:7] - RATE_LIMIT * h, -inf, 0)
-                    con(w[3:7] + RATE_LIMIT * h, 0, inf)
+                    con(w[3:7] - rate_limit * h, -inf, 0)
+                    con(w[3:7] + rate_limit * h, 0, inf)
                     joint = w[3:7] / h
                     cost += share[p] / n * B[s] * (ca.sumsqr(u) / LIMIT**2 + RATE_WEIGHT * ca.sumsqr(joint))
                     self.points.append((p, i, s))
@@ -197,12 +198,12 @@ class Stride:
                 jump = DYNAMICS(q, zero, v2 - v1) - DYNAMICS(q, zero, zero)
                 jac = ca.jacobian(points(q)[STANCE[nxt]][2], q)
                 imp = ca.Function("impact", [q, v1, v2, L], [jump - jac.T @ L, jac @ v2])
-                m, f = imp(qs, ws / h, w0[nxt] / (T[nxt] / INTERVALS[nxt]), impulse)
+                m, f = imp(qs, ws / h, w0[nxt] / (T[nxt] / self.intervals[nxt]), impulse)
                 con(m)
                 con(f)
                 con(ca.vertcat(par[3] * impulse[1] - impulse[0], impulse[0] + par[4] * impulse[1], impulse[1]), 0, inf)
             else:
-                con(w0[nxt] * (T[p] / n) - ws * (T[nxt] / INTERVALS[nxt]))
+                con(w0[nxt] * (T[p] / n) - ws * (T[nxt] / self.intervals[nxt]))
         con(speed * period - qs[0])
         con(qs[1:] - q0[1:])
         self.lower, self.upper, self.scale = map(np.array, (lower, upper, scale))
@@ -244,6 +245,38 @@ class Stride:
         assert at == len(y) == len(x)
         return x
 
+    def read_from(self, other, x):
+        """A stride of another mesh read on this one: the collocation's own polynomials at the new points."""
+        y = np.zeros(len(self.lower))
+
+        def put(name, value):
+            i, n = self.names[name]
+            y[i : i + n] = value
+
+        for name in [f"T{p}" for p in range(4)] + [f"f{p}" for p in range(4)] + ["T", "V", "q0"]:
+            put(name, other.get(x, name))
+        for p in range(4):
+            n, m = other.intervals[p], self.intervals[p]
+            put(f"w0_{p}", other.get(x, f"w0_{p}") * n / m)
+            for i in range(m):
+                for s, c in enumerate((1 / 3, 1.0)):
+                    passed = (i + c) / m * n
+                    j = min(int(max(passed - 1e-9, 0.0)), n - 1)
+                    part = passed - j
+                    before = f"{p}_{j - 1}_1" if j else f"{p - 1}_{other.intervals[p - 1] - 1}_1"
+                    q0 = other.get(x, "q" + before) if p or j else other.get(x, "q0")
+                    w0 = other.get(x, "w" + before) if j else other.get(x, f"w0_{p}")
+                    at = {kind: [other.get(x, f"{kind}{p}_{j}_{stage}") for stage in (0, 1)] for kind in "wbu"}
+                    slope = {kind: (two - one) / (2 / 3) for kind, (one, two) in at.items()}
+                    line = {kind: at[kind][0] + (part - 1 / 3) * slope[kind] for kind in "wbu"}
+                    area = {kind: (at[kind][0] - slope[kind] / 3) * part + slope[kind] * part**2 / 2 for kind in "wb"}
+                    tag = f"{p}_{i}_{s}"
+                    put("q" + tag, q0 + area["w"])
+                    put("w" + tag, (w0 + area["b"]) * n / m)
+                    put("b" + tag, line["b"] * (n / m) ** 2)
+                    put("u" + tag, line["u"])
+        return y
+
     def guess(self, speed=4.0, period=0.3, amplitude=0.4):
         x = np.zeros(len(self.lower))
 
@@ -275,9 +308,9 @@ class Stride:
         put("q0", state(0)[0])
         start = np.r_[0, np.cumsum(T)]
         for p in range(4):
-            h = T[p] / INTERVALS[p]
+            h = T[p] / self.intervals[p]
             put(f"w0_{p}", h * state(start[p])[1])
-            for i in range(INTERVALS[p]):
+            for i in range(self.intervals[p]):
                 for s, c in enumerate((1 / 3, 1.0)):
                     q, v = state(start[p] + (i + c) * h)
                     put(f"q{p}_{i}_{s}", q)

@@ -18,6 +18,7 @@ FORWARD, REVERSE = 0.9049, 0.4314
 MEAN = 0.5 * (FORWARD + REVERSE)
 BRUSHES = {"symmetric": (MEAN, MEAN), "asymmetric": (FORWARD, REVERSE), "backwards": (REVERSE, FORWARD)}
 WEIGHTS = [0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0]
+MESH = (28, 8)
 CELLS = [(2e5, 1.0), (2e5, 0.3), (1e5, 1.0), (5e4, 1.0), (1e5, 2.0), (1e5, 3.0), (2e5, 2.0), (5e4, 3.0)]
 
 
@@ -77,7 +78,7 @@ def sweep(stride, book, kind, k, c, start, aim=20.0, weights=WEIGHTS, passes=2):
 def main():
     starts, out, which = Path(sys.argv[1]), sys.argv[2], sys.argv[3]
     rigid = which == "rigid"
-    stride = Stride(rigid=rigid)
+    stride = Stride(rigid=rigid, mesh=(8, 5) if rigid else MESH)
     book = Book(out, stride)
     x = stride.from_rust(np.array(json.loads((starts / f"{'rigid' if rigid else 'compliant'}.json").read_text())))
     mean = BRUSHES["symmetric"]

@@ -1,11 +1,11 @@
 //! Solves strides again from starts in a JSON file and prints what the certificate says.
 //!
-//! `cargo run --release -p biped --example certify -- FILE [LIMIT]`; FILE as benches/gait writes it, or data/strides.json.
+//! `cargo run --release -p biped --example certify -- FILE [LIMIT [OUT]]`; FILE as benches/gait writes it, or data/strides.json; OUT gets
+//! the strides that were reached, as JSON.
 
-use biped::contact::Brush;
 use biped::gait::catalogue::Name;
 use biped::gait::{motion::Motion, programme::Stride};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::error::Error;
 use trajectory::{Options, Start, solve};
 
@@ -21,6 +21,18 @@ struct Row {
     cost: Option<f64>,
 }
 
+/// What was reached from one start.
+#[derive(Serialize)]
+struct Reached {
+    #[serde(flatten)]
+    name: Name,
+    certified: bool,
+    cost: f64,
+    speed_m_s: f64,
+    steps: usize,
+    x: Vec<f64>,
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).ok_or("which file?")?;
     let limit = std::env::args().nth(2).map_or(Ok(30), |n| n.parse())?;
@@ -29,10 +41,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         json = starts.take();
     }
     let rows: Vec<Row> = serde_json::from_value(json)?;
-    let brush = Brush {
-        forward: 0.9049,
-        reverse: 0.4314,
-    };
+    let brush = sample::brush();
+    let mut reached = Vec::new();
     for Row { name, x, cost } in rows {
         let problem = name.problem(&sample::biped(), brush);
         let clock = std::time::Instant::now();
@@ -58,6 +68,17 @@ fn main() -> Result<(), Box<dyn Error>> {
             motion.momentum_gap_n_s(&problem),
             motion.energy_gap(&problem),
         );
+        reached.push(Reached {
+            name,
+            certified: s.status.is_solved(),
+            cost: s.cost,
+            speed_m_s: motion.speed_m_s,
+            steps: s.counters.iterations,
+            x: s.x,
+        });
+    }
+    if let Some(out) = std::env::args().nth(3) {
+        std::fs::write(out, serde_json::to_string(&reached)?)?;
     }
     Ok(())
 }

@@ -2,8 +2,9 @@
 //!
 //! `cargo run --release -p biped --example cold_starts -- DIR`
 
-use biped::contact::{Brush, Ground};
-use biped::gait::{Contact, Goal, Limits, Mesh, Problem, Touchdown, start::Guess};
+use biped::contact::Ground;
+use biped::gait::catalogue::{CONTACT, Mount, Name};
+use biped::gait::{Contact, Problem, start::Guess};
 
 #[path = "../tests/sample/mod.rs"]
 mod sample;
@@ -16,26 +17,14 @@ fn main() -> std::io::Result<()> {
         loss_s_m: 0.0,
         slip_scale_m_s: 1.0,
     };
-    for (name, contact) in [
-        ("rigid", Contact::Rigid(Touchdown::Impact)),
-        ("compliant", Contact::Compliant(soft)),
-    ] {
-        let problem = Problem {
-            biped,
-            brush: Brush {
-                forward: 0.9049,
-                reverse: 0.4314,
-            }
-            .symmetric(),
-            contact,
-            goal: Goal::Speed {
-                weight: 1.0,
-                aim_m_s: 20.0,
-            },
-            limits: Limits::default(),
-            mesh: Mesh::default(),
-            rate_weight_s2: 1e-6,
-        };
+    let (mount, weight, aim) = (Mount::Symmetric, 1.0, 20.0);
+    let rigid = Name::rigid(mount, weight, aim).problem(&biped, sample::brush());
+    let stiff = Name::compliant(CONTACT, mount, weight, aim).problem(&biped, sample::brush());
+    let compliant = Problem {
+        contact: Contact::Compliant(soft),
+        ..stiff
+    };
+    for (name, problem) in [("rigid", rigid), ("compliant", compliant)] {
         let start = Guess::default().variables(&problem);
         std::fs::write(format!("{folder}/{name}.json"), format!("{start:?}"))?;
     }

@@ -1,10 +1,10 @@
 //! Fills and improves a file of strides: every problem of the chapter on the gait, solved from its neighbours until nothing
-//! gets better. The file is read at the start and written after every round, so the work can be interrupted and resumed;
+//! gets better. The file is read at the start and written with every stride that is found or improved, so the work can be interrupted and resumed;
 //! without a file it begins with chains from cold starts.
 //!
 //! `cargo run --release -p biped --example explore -- FILE [ROUNDS]`
 
-use biped::contact::{Brush, Ground};
+use biped::contact::Ground;
 use biped::gait::book::Book;
 use biped::gait::catalogue::{CONTACT, Mount, Name, WEIGHTS, all};
 use biped::gait::chain::{Case, solve_all};
@@ -19,10 +19,6 @@ use trajectory::{Options, Start};
 #[path = "../tests/sample/mod.rs"]
 mod sample;
 
-const BRUSH: Brush = Brush {
-    forward: 0.9049,
-    reverse: 0.4314,
-};
 const TARGETS: [f64; 2] = [8.0, 20.0];
 const ABOUT: &str = "Starts of the gait stage, not results: strides of the project's own solver, each improved from its neighbours \
                      (cargo run --release -p biped --example explore). The stage solves every problem again from them and certifies \
@@ -38,7 +34,16 @@ struct File {
 struct Row {
     #[serde(flatten)]
     name: Name,
+    #[serde(flatten)]
+    search: Option<Search>,
     x: Vec<f64>,
+}
+
+/// Starts that ended in a stride, of those tried, over all runs.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+struct Search {
+    found: usize,
+    tried: usize,
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -59,19 +64,41 @@ fn main() -> Result<(), Box<dyn Error>> {
     let named = all(TARGETS[0], TARGETS[1]).into_iter().map(|name| {
         let own = rows.iter().filter(|row| row.name == name);
         let starts = own.map(|row| Start::cold(row.x.clone())).collect();
-        (name, name.problem(&biped, BRUSH), starts)
+        (name, name.problem(&biped, sample::brush()), starts)
     });
     book.add(named.collect(), &options)?;
-    report(&book, 0, 0, clock);
+    for entry in &mut book.entries {
+        // A stride of the file, solved again, is no further start: its count goes on.
+        let row = rows.iter().find(|row| row.name == entry.name);
+        if let (Some(outcome), Some(search)) = (&mut entry.outcome, row.and_then(|row| row.search))
+        {
+            (outcome.found_by, outcome.tried) = (search.found, search.tried);
+        }
+    }
+    write(&book, &path)?;
+    report(&book, "starts", 0, clock);
+    // Gaps first, so that every problem soon has a stride to start its neighbours from.
+    let mut filling = true;
     for round in 1..=rounds {
-        // Gaps first, so that every problem soon has a stride to start its neighbours from.
-        let gaps: Vec<Name> = book.gaps().collect();
-        let filling = round <= rounds / 2 && !gaps.is_empty();
-        let better = book.cross_seed(|name| !filling || gaps.contains(name), &options)?;
-        write(&book, &path)?;
-        report(&book, round, better, clock);
-        if better == 0 && !filling {
-            break;
+        let names: Vec<Name> = if filling {
+            book.gaps().collect()
+        } else {
+            book.entries.iter().map(|entry| entry.name).collect()
+        };
+        let mut better = 0;
+        for name in names {
+            // One problem at a time: the next one starts from what this one found.
+            let found = book.cross_seed(|other| *other == name, &options)?;
+            if found > 0 {
+                write(&book, &path)?;
+            }
+            better += found;
+        }
+        report(&book, &format!("round {round}"), better, clock);
+        match (better, filling) {
+            (0, false) => break,
+            (0, true) => filling = false,
+            _ => {}
         }
     }
     for entry in &book.entries {
@@ -84,12 +111,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn report(book: &Book, round: usize, better: usize, clock: Instant) {
+fn report(book: &Book, what: &str, better: usize, clock: Instant) {
     let strides = book.entries.iter().filter_map(|e| e.outcome.as_ref());
     let certified = strides.clone().filter(|o| o.is_certified()).count();
     let thrice = strides.filter(|o| o.found_by >= 3).count();
     println!(
-        "round {round}: {better} better, {certified} of {} certified, {thrice} found by three starts, {:.0?}",
+        "{what}: {better} better, {certified} of {} certified, {thrice} found by three starts, {:.0?}",
         book.entries.len(),
         clock.elapsed()
     );
@@ -101,11 +128,15 @@ fn write(book: &Book, path: &str) -> Result<(), Box<dyn Error>> {
         let Some(outcome) = entry.outcome.as_ref().filter(|o| o.is_certified()) else {
             continue;
         };
-        // Seven digits are enough for a start.
-        let short = |x: &f64| format!("{x:.6e}").parse::<f64>();
+        // Six digits are enough for a start.
+        let short = |x: &f64| format!("{x:.5e}").parse::<f64>();
         let x = outcome.x.iter().map(short).collect::<Result<_, _>>()?;
         let name = entry.name;
-        lines.push(serde_json::to_string(&Row { name, x })?);
+        let search = Some(Search {
+            found: outcome.found_by,
+            tried: outcome.tried,
+        });
+        lines.push(serde_json::to_string(&Row { name, search, x })?);
     }
     let about = serde_json::to_string(ABOUT)?;
     let text = format!(
@@ -139,7 +170,7 @@ fn cold() -> Result<Vec<Row>, Box<dyn Error>> {
         Name::rigid(Mount::Symmetric, WEIGHTS[0], TARGETS[1]),
         Name::compliant(CONTACT, Mount::Symmetric, WEIGHTS[0], TARGETS[1]),
     ] {
-        let last = name.problem(&biped, BRUSH);
+        let last = name.problem(&biped, sample::brush());
         let mut starts: Vec<Option<Start>> = vec![None; guesses.len()];
         let steps: &[_] = if last.is_rigid() {
             &[None]
@@ -184,12 +215,11 @@ fn cold() -> Result<Vec<Row>, Box<dyn Error>> {
                 *start = outcome.map(|o| o.start());
             }
         }
-        rows.extend(
-            starts
-                .into_iter()
-                .flatten()
-                .map(|start| Row { name, x: start.x }),
-        );
+        rows.extend(starts.into_iter().flatten().map(|start| Row {
+            name,
+            search: None,
+            x: start.x,
+        }));
     }
     Ok(rows)
 }

@@ -84,3 +84,25 @@ impl Ground {
         (s * (brush.forward - brush.reverse) + (brush.forward + brush.reverse)) * s * 0.5
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The formula is written out here because the solver's recorded numbers do not cross threads, as the scalars of
+    /// the friction crate do. It is the same law.
+    #[test]
+    fn the_normal_force_is_that_of_the_friction_crate() {
+        let ground = Ground {
+            stiffness_n_m15: 2e5,
+            loss_s_m: 1.3,
+            slip_scale_m_s: 0.1,
+        };
+        let hertz = friction::Hertz::new(ground.stiffness_n_m15, ground.loss_s_m);
+        for (depth, rate) in [(1e-5, 0.3), (2e-3, -0.2), (0.013, 4.6), (0.02, -3.0)] {
+            let expected = hertz.signed_force(depth, rate);
+            let force = ground.normal_force(-depth, -rate);
+            assert!((force / expected - 1.0).abs() < 1e-12, "{force} {expected}");
+        }
+    }
+}

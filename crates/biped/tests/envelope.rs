@@ -7,11 +7,6 @@ use biped::envelope::{Body, ForceMap, Hip, Posture, Variant, family, gain, polyg
 use nalgebra::Vector2;
 use proptest::prelude::*;
 
-const BRUSH: Brush = Brush {
-    forward: 0.9049,
-    reverse: 0.4314,
-};
-
 fn posture(pitch_deg: f64) -> Posture {
     Posture {
         pitch_rad: pitch_deg.to_radians(),
@@ -26,7 +21,7 @@ fn posture(pitch_deg: f64) -> Posture {
 fn the_natural_variant_has_the_gains_of_an_independent_computation() {
     let biped = sample::biped();
     for (pitch, expected) in [(5.0, 12.73), (0.0, 18.60), (-5.0, 17.04)] {
-        let ours = gain(&biped, Variant::NATURAL, posture(pitch), BRUSH).unwrap();
+        let ours = gain(&biped, Variant::NATURAL, posture(pitch), sample::brush()).unwrap();
         assert!(
             (ours.forward_percent - expected).abs() < 0.02,
             "pitch {pitch}: {} instead of {expected}",
@@ -38,7 +33,7 @@ fn the_natural_variant_has_the_gains_of_an_independent_computation() {
         ..Variant::NATURAL
     };
     for (pitch, expected) in [(5.0, 11.98), (0.0, 18.60), (-5.0, 17.04)] {
-        let ours = gain(&biped, fixed, posture(pitch), BRUSH).unwrap();
+        let ours = gain(&biped, fixed, posture(pitch), sample::brush()).unwrap();
         assert!(
             (ours.forward_percent - expected).abs() < 0.02,
             "{pitch}: {ours:?}"
@@ -52,7 +47,7 @@ fn a_symmetric_brush_gains_nothing() {
         &sample::biped(),
         Variant::NATURAL,
         posture(3.0),
-        BRUSH.symmetric(),
+        sample::brush().symmetric(),
     )
     .unwrap();
     assert_eq!((ours.forward_percent, ours.vertical_percent), (0.0, 0.0));
@@ -84,11 +79,11 @@ fn the_binding_limits_are_those_at_which_more_torque_gives_more_force() {
     let biped = sample::biped();
     for pitch in [5.0, 0.0, -5.0] {
         let map = ForceMap::new(&biped, Variant::NATURAL, posture(pitch)).unwrap();
-        let best = programme::largest(&map, BRUSH, Vector2::x()).unwrap();
+        let best = programme::largest(&map, sample::brush(), Vector2::x()).unwrap();
         for k in 0..2 {
             let mut wider = map.clone();
             wider.limits_n_m[k] *= 1.01;
-            let more = programme::largest(&wider, BRUSH, Vector2::x())
+            let more = programme::largest(&wider, sample::brush(), Vector2::x())
                 .unwrap()
                 .force_n[0];
             let bound = best
@@ -107,7 +102,7 @@ fn the_binding_limits_are_those_at_which_more_torque_gives_more_force() {
 #[test]
 fn every_reading_of_the_family_keeps_the_order_of_the_brushes() {
     let postures = [5.0, 0.0, -5.0].map(posture);
-    let readings = family::readings(&sample::biped(), &postures, BRUSH).unwrap();
+    let readings = family::readings(&sample::biped(), &postures, sample::brush()).unwrap();
     assert_eq!(readings[0].variant, Variant::NATURAL);
     for reading in &readings {
         for gain in &reading.gains {

@@ -19,7 +19,8 @@ use crate::model::Structure;
 use crate::newton::{ActiveSet, Limits, NewtonStep, NewtonSystem};
 use crate::pattern::max_abs;
 
-/// Longer steps (scaled variables) are left to the subproblem.
+/// Longer steps (scaled variables) are left to the subproblem: scales make variables of order one, and an active set says
+/// nothing about points several of its own sizes away. A bound, not a trust region: the merit function judges shorter steps.
 const REACH: f64 = 3.0;
 /// Most rounds of exchange.
 const ROUNDS: usize = 8;

@@ -6,7 +6,7 @@
 use super::Problem;
 use super::catalogue::Name;
 use super::chain::{Case, Outcome, solve_all};
-use super::layout::Layout;
+use super::refine::on_mesh;
 use trajectory::{Options, ProgrammeError, Start};
 
 /// A named problem and what is known about it.
@@ -117,14 +117,20 @@ impl Book {
 
     /// The certified strides of the neighbours of an entry that it has not started from yet.
     fn starts(&self, entry: &Entry) -> Vec<Start> {
-        let length = Layout::new(&entry.problem).count();
+        let mesh = entry.problem.mesh;
         self.entries
             .iter()
             .filter(|other| other.name.is_beside(&entry.name))
             .filter(|other| entry.looked.is_none_or(|looked| other.changed >= looked))
             .filter_map(|other| other.outcome.as_ref())
-            .filter(|outcome| outcome.is_certified() && outcome.x.len() == length)
-            .map(Outcome::start)
+            .filter(|outcome| outcome.is_certified())
+            .map(|outcome| {
+                if outcome.problem.mesh == mesh {
+                    outcome.start()
+                } else {
+                    Start::cold(on_mesh(&outcome.problem, &outcome.x, mesh))
+                }
+            })
             .collect()
     }
 }

@@ -12,6 +12,8 @@ use serde::{Deserialize, Serialize};
 pub const WEIGHTS: [f64; 7] = [0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0];
 /// Weight of the map and of the strides at the lower target, s^2/m^2.
 pub const MAP_WEIGHT: f64 = 1.0;
+/// Weights at which strides are solved on the halved mesh as well, s^2/m^2.
+pub const FINE_WEIGHTS: [f64; 3] = [0.01, 0.1, 1.0];
 /// Stiffnesses of the map, N/m^1.5.
 pub const STIFFNESSES: [f64; 4] = [5e4, 1e5, 2e5, 4e5];
 /// Losses of the map, s/m.
@@ -74,10 +76,10 @@ pub enum Choice {
     /// None.
     #[default]
     Own,
-    /// No phase longer than 60 ms: shorter steps.
-    ShortPhases,
-    /// Phases up to 150 ms: longer steps.
-    LongPhases,
+    /// No stance longer than 60 ms.
+    ShortStance,
+    /// Stances up to 150 ms, on intervals that are as much longer.
+    LongStance,
     /// Joint rates up to 40 rad/s.
     SlowJoints,
     /// Hips from -80 to 40 degrees.
@@ -88,13 +90,15 @@ pub enum Choice {
     BluntFriction,
     /// A foot that sinks in 20 mm at most.
     ShallowFoot,
+    /// Every interval of the collocation halved: no choice of a machine, but what the mesh does to the numbers.
+    FineMesh,
 }
 
 impl Choice {
-    /// All deviations.
+    /// All deviations that change the machine, its contact or its limits.
     pub const ALL: [Choice; 7] = [
-        Choice::ShortPhases,
-        Choice::LongPhases,
+        Choice::ShortStance,
+        Choice::LongStance,
         Choice::SlowJoints,
         Choice::NarrowHips,
         Choice::SharpFriction,
@@ -106,13 +110,14 @@ impl Choice {
     pub fn id(self) -> &'static str {
         match self {
             Choice::Own => "own",
-            Choice::ShortPhases => "short-phases",
-            Choice::LongPhases => "long-phases",
+            Choice::ShortStance => "short-stance",
+            Choice::LongStance => "long-stance",
             Choice::SlowJoints => "slow-joints",
             Choice::NarrowHips => "narrow-hips",
             Choice::SharpFriction => "sharp-friction",
             Choice::BluntFriction => "blunt-friction",
             Choice::ShallowFoot => "shallow-foot",
+            Choice::FineMesh => "fine-mesh",
         }
     }
 
@@ -127,12 +132,12 @@ impl Choice {
     fn limits(self) -> Limits {
         let own = Limits::default();
         match self {
-            Choice::ShortPhases => Limits {
-                phase_s: 0.06,
+            Choice::ShortStance => Limits {
+                longest_stance_s: 0.06,
                 ..own
             },
-            Choice::LongPhases => Limits {
-                phase_s: 0.15,
+            Choice::LongStance => Limits {
+                longest_stance_s: 0.15,
                 ..own
             },
             Choice::SlowJoints => Limits {
@@ -147,7 +152,7 @@ impl Choice {
                 foot_depth_m: 0.02,
                 ..own
             },
-            Choice::Own | Choice::SharpFriction | Choice::BluntFriction => own,
+            Choice::Own | Choice::SharpFriction | Choice::BluntFriction | Choice::FineMesh => own,
         }
     }
 }
@@ -200,6 +205,26 @@ impl Name {
         Self { choice, ..self }
     }
 
+    /// The mesh of its strides. A compliant foot strikes within some 3 ms, which must not fall between two points.
+    fn mesh(&self) -> Mesh {
+        let own = match self.kind {
+            Kind::Rigid => Mesh::default(),
+            Kind::Compliant => Mesh {
+                stance: 28,
+                flight: 8,
+            },
+        };
+        let halved = if self.choice == Choice::FineMesh {
+            2
+        } else {
+            1
+        };
+        Mesh {
+            stance: halved * own.stance,
+            flight: halved * own.flight,
+        }
+    }
+
     /// The problem of this name for a machine and its brush.
     pub fn problem(&self, biped: &Biped, brush: Brush) -> Problem {
         let contact = match self.kind {
@@ -219,7 +244,7 @@ impl Name {
                 aim_m_s: self.aim,
             },
             limits: self.choice.limits(),
-            mesh: Mesh::default(),
+            mesh: self.mesh(),
             rate_weight_s2: RATE_WEIGHT_S2,
         }
     }
@@ -269,6 +294,9 @@ pub fn all(low_m_s: f64, high_m_s: f64) -> Vec<Name> {
         if brush != Mount::Backwards {
             let own = Name::compliant(CONTACT, brush, MAP_WEIGHT, high_m_s);
             names.extend(Choice::ALL.map(|choice| own.with_choice(choice)));
+            names.extend(FINE_WEIGHTS.map(|weight| {
+                Name::compliant(CONTACT, brush, weight, high_m_s).with_choice(Choice::FineMesh)
+            }));
         }
     }
     names

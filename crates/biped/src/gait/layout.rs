@@ -120,6 +120,12 @@ impl Layout {
         PHASE_STARTS + phase * COORDINATES
     }
 
+    /// Variables of all points.
+    pub fn points(&self) -> std::ops::Range<usize> {
+        let last = self.last(PHASES - 1);
+        self.first[0]..self.point(last) + self.width[last.phase]
+    }
+
     fn point(&self, place: Place) -> usize {
         self.first[place.phase] + (place.interval * STAGES + place.stage) * self.width[place.phase]
     }

@@ -1,7 +1,7 @@
 //! The linear rows of a stride: defects, periodicity, joint rates, friction cones.
 
 use super::layout::{Layout, Place, STAGES};
-use super::variables::scale;
+use super::variables::{IntervalScale, scale};
 use super::{Goal, PHASES, Problem};
 use crate::kinematics::{COORDINATES, JOINTS};
 use trajectory::{LinearRow, Row};
@@ -18,7 +18,8 @@ fn row(name: impl Into<String>, terms: Vec<(usize, f64)>, row: Row) -> LinearRow
 pub(super) fn rows(problem: &Problem, layout: &Layout) -> Vec<LinearRow> {
     let mut rows = Vec::new();
     for place in layout.places() {
-        defects(layout, place, &mut rows);
+        let interval = IntervalScale::of(problem.mesh, place.phase);
+        defects(layout, place, interval, &mut rows);
         joint_rates(problem, layout, place, &mut rows);
         if let Some(force) = layout.force(place) {
             cone(problem, force, scale::FORCE_N, &mut rows);
@@ -53,13 +54,14 @@ pub(super) fn rows(problem: &Problem, layout: &Layout) -> Vec<LinearRow> {
             (layout.phase_start_w(0), 1.0),
             (layout.duration(0), -factor),
         ];
-        rows.push(row("speed at the start", terms, Row::equal(scale::W)));
+        let scale = IntervalScale::of(problem.mesh, 0).w();
+        rows.push(row("speed at the start", terms, Row::equal(scale)));
     }
     rows
 }
 
 /// q_i - q_0 - sum_j A_ij w_j = 0 and w_i - w_0 - sum_j A_ij b_j = 0.
-fn defects(layout: &Layout, place: Place, rows: &mut Vec<LinearRow>) {
+fn defects(layout: &Layout, place: Place, interval: IntervalScale, rows: &mut Vec<LinearRow>) {
     let stages = (0..STAGES).map(|stage| Place { stage, ..place });
     for k in 0..COORDINATES {
         let mut position = vec![
@@ -86,13 +88,14 @@ fn defects(layout: &Layout, place: Place, rows: &mut Vec<LinearRow>) {
                 place.phase, place.interval, place.stage
             )
         };
-        rows.push(row(name("q"), position, Row::equal(scale::W)));
-        rows.push(row(name("w"), velocity, Row::equal(scale::B)));
+        rows.push(row(name("q"), position, Row::equal(interval.w())));
+        rows.push(row(name("w"), velocity, Row::equal(interval.b())));
     }
 }
 
 /// |w| <= h times the largest joint rate.
 fn joint_rates(problem: &Problem, layout: &Layout, place: Place, rows: &mut Vec<LinearRow>) {
+    let scale = IntervalScale::of(problem.mesh, place.phase).w();
     let limit = problem.limits.joint_rate_rad_s / problem.mesh.intervals(place.phase) as f64;
     for k in 0..JOINTS {
         let w = layout.w(place) + 3 + k;
@@ -104,12 +107,12 @@ fn joint_rates(problem: &Problem, layout: &Layout, place: Place, rows: &mut Vec<
         rows.push(row(
             name.clone(),
             vec![(w, 1.0), (duration, -limit)],
-            Row::at_most(scale::W),
+            Row::at_most(scale),
         ));
         rows.push(row(
             name,
             vec![(w, 1.0), (duration, limit)],
-            Row::at_least(scale::W),
+            Row::at_least(scale),
         ));
     }
 }

@@ -15,6 +15,7 @@ mod linear;
 pub mod motion;
 mod point;
 pub mod programme;
+pub mod refine;
 pub mod start;
 mod variables;
 
@@ -86,8 +87,11 @@ pub struct Limits {
     pub stance_s: f64,
     /// Shortest flight, s.
     pub flight_s: f64,
-    /// Longest phase, s: on a fixed mesh, a long phase is one that the collocation no longer resolves.
-    pub phase_s: f64,
+    /// Longest stance, s. On a fixed mesh a long stance is one that the collocation does not resolve: with intervals as
+    /// long as a strike of the foot (some 3 ms) the optimiser hides strikes between the points.
+    pub longest_stance_s: f64,
+    /// Longest flight, s.
+    pub longest_flight_s: f64,
     /// Lowest height of a knee, m.
     pub knee_height_m: f64,
     /// Deepest that a compliant foot may sink in, m.
@@ -105,7 +109,8 @@ impl Default for Limits {
             joint_rate_rad_s: 60.0,
             stance_s: 0.02,
             flight_s: 0.01,
-            phase_s: 0.1,
+            longest_stance_s: 0.1,
+            longest_flight_s: 0.1,
             knee_height_m: 0.02,
             foot_depth_m: 0.05,
         }

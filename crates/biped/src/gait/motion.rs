@@ -181,39 +181,75 @@ impl Motion {
         gap / largest
     }
 
-    /// Integrates the stride again from its start with its torques, in `steps` steps of
-    /// fourth order per interval, and returns the largest distance from the collocated points: m
-    /// and rad. Torques between points are the line through the two stages of their interval.
+    /// Integrates the stride again with its torques, in `steps` steps of fourth order per interval. Torques between points
+    /// are the line through the two stages of their interval, as in the collocation; a rigid stance is integrated
+    /// with the collocated ground forces as a given input.
     ///
-    /// A rigid stance is integrated with the collocated ground forces as a given input.
-    pub fn reintegration_error(&self, problem: &Problem, steps: usize) -> f64 {
-        let mut q = self.start.0;
-        let mut worst: f64 = 0.0;
+    /// Each interval is begun at its collocated state and ends a gap beside the next: what the method misses within
+    /// one interval. Begun at the start of the stride and never put back, the same integration drifts by what the
+    /// dynamics make of those gaps: the drift measures how unstable the stride is under a fixed course of torques, not the mesh.
+    pub fn reintegration(&self, problem: &Problem, steps: usize) -> Reintegration {
+        let mut worst = Reintegration::default();
+        let mut free: State = self.start;
+        let mut end = self.start.0;
         for phase in 0..PHASES {
             let samples: Vec<&Sample> = self.samples.iter().filter(|s| s.phase == phase).collect();
-            let mut v = self.phase_starts[phase];
+            let mut begin = (end, self.phase_starts[phase]);
+            free.1 = if phase == 0 || problem.is_rigid() {
+                // An impact is an event of the collocated stride, not of the integration.
+                begin.1
+            } else {
+                free.1
+            };
             let h = self.durations_s[phase] / problem.mesh.intervals(phase) as f64;
-            for pair in samples.chunks(2) {
-                for step in 0..steps {
-                    let along = |part: f64| (step as f64 + part) / steps as f64;
-                    (q, v) = runge_kutta(
-                        problem,
-                        phase,
-                        pair,
-                        [along(0.0), along(0.5), along(1.0)],
-                        h / steps as f64,
-                        q,
-                        v,
-                    );
-                }
-                let end = pair[pair.len() - 1];
-                for k in 0..COORDINATES {
-                    worst = worst.max((q[k] - end.q[k]).abs());
-                }
+            for pair in samples.chunks(Problem::RADAU_C.len()) {
+                let [.., last] = pair else { continue };
+                let reached = integrate(problem, phase, pair, h, steps, begin);
+                free = integrate(problem, phase, pair, h, steps, free);
+                worst.gap_m_rad = worst.gap_m_rad.max(distance(&reached.0, &last.q));
+                worst.rate_gap_m_s_rad_s =
+                    worst.rate_gap_m_s_rad_s.max(distance(&reached.1, &last.v));
+                worst.drift_m_rad = worst.drift_m_rad.max(distance(&free.0, &last.q));
+                begin = (last.q, last.v);
             }
+            end = begin.0;
         }
         worst
     }
+}
+
+/// How far a stride integrated again lies from the collocated one, at worst.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Reintegration {
+    /// Coordinates at the end of an interval begun at its collocated state, m and rad.
+    pub gap_m_rad: f64,
+    /// Rates there, m/s and rad/s.
+    pub rate_gap_m_s_rad_s: f64,
+    /// Coordinates of the integration that is never put back, m and rad.
+    pub drift_m_rad: f64,
+}
+
+fn distance(a: &[f64; COORDINATES], b: &[f64; COORDINATES]) -> f64 {
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f64::max)
+}
+
+fn integrate(
+    problem: &Problem,
+    phase: usize,
+    pair: &[&Sample],
+    h: f64,
+    steps: usize,
+    begin: State,
+) -> State {
+    let length = h / steps as f64;
+    (0..steps).fold(begin, |(q, v), step| {
+        let along = |part: f64| (step as f64 + part) / steps as f64;
+        let along = [along(0.0), along(0.5), along(1.0)];
+        runge_kutta(problem, phase, pair, along, length, q, v)
+    })
 }
 
 /// Line through the values at the two stages, c = 1/3 and 1.

@@ -2,7 +2,7 @@
 
 use super::layout::{Layout, Place};
 use super::point::{Point, compliant_force, impact_rows, motion_rows};
-use super::variables::scale;
+use super::variables::{IntervalScale, scale};
 use super::{Contact, EVENT, Goal, PHASES, Problem, STANDING, Touchdown};
 use crate::kinematics::{COORDINATES, JOINTS, Leg, foot_velocity, leg_points};
 use trajectory::{Block, LinearRow, Programme, Row, Scalar, Variable};
@@ -121,16 +121,17 @@ impl Stride {
     }
 
     fn rows_of(&self, kind: Kind) -> Vec<Row> {
-        let h = scale::INTERVAL_S;
+        let interval = |phase: usize| IntervalScale::of(self.problem.mesh, phase % PHASES);
         match kind {
             Kind::Point(place) => {
-                let mut rows = vec![Row::equal(scale::MOTION); COORDINATES];
+                let interval = interval(place.phase);
+                let mut rows = vec![Row::equal(interval.motion()); COORDINATES];
                 if STANDING[place.phase].is_some() {
                     if self.problem.is_rigid() {
-                        rows.extend([Row::equal(scale::W); 2]);
+                        rows.extend([Row::equal(interval.w()); 2]);
                     } else {
                         // The contact only pushes.
-                        rows.push(Row::at_least(h));
+                        rows.push(Row::at_least(interval.length_s()));
                     }
                 }
                 rows.extend(
@@ -144,15 +145,16 @@ impl Stride {
             }
             Kind::Share(_) => vec![Row::equal(scale::PHASE_S)],
             Kind::Progress => vec![Row::equal(scale::LENGTH_M)],
-            Kind::Junction(_) | Kind::Impact(_) => {
+            Kind::Junction(phase) | Kind::Impact(phase) => {
                 let momentum = if matches!(kind, Kind::Impact(_)) {
                     2.0
                 } else {
                     1.0
                 };
-                vec![Row::equal(scale::W * h * momentum); COORDINATES]
+                let product = interval(phase).w() * interval(phase + 1).length_s();
+                vec![Row::equal(product * momentum); COORDINATES]
             }
-            Kind::Rest(_) => vec![Row::equal(scale::W); 2],
+            Kind::Rest(phase) => vec![Row::equal(interval(phase + 1).w()); 2],
         }
     }
 

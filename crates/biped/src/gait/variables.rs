@@ -1,17 +1,13 @@
 //! Bounds and physical scales of the variables of a stride.
 
 use super::layout::Layout;
-use super::{PHASES, Problem, STANDING};
+use super::{Mesh, PHASES, Problem, STANDING};
 use crate::kinematics::{COORDINATES, JOINTS};
 use trajectory::Variable;
 
-/// Physical scales, fixed: an interval of some 5 to 12 ms, speeds of some 10 m/s and rad/s, accelerations of a foot that
-/// strikes, some hundreds of rad/s^2.
+/// Physical scales, fixed.
 pub(super) mod scale {
-    pub(in crate::gait) const INTERVAL_S: f64 = 0.005;
     pub(in crate::gait) const LENGTH_M: f64 = 1.0;
-    pub(in crate::gait) const W: f64 = 0.05;
-    pub(in crate::gait) const B: f64 = 0.1;
     pub(in crate::gait) const TORQUE_N_M: f64 = 35.0;
     pub(in crate::gait) const FORCE_N: f64 = 200.0;
     pub(in crate::gait) const IMPULSE_N_S: f64 = 5.0;
@@ -20,8 +16,37 @@ pub(super) mod scale {
     pub(in crate::gait) const SPEED_M_S: f64 = 5.0;
     pub(in crate::gait) const ACCELERATION_M_S2: f64 = 5.0;
     pub(in crate::gait) const HEIGHT_M: f64 = 0.1;
-    /// Equations of motion times h^2, kg m: some kilogrammes times B.
-    pub(in crate::gait) const MOTION: f64 = 0.02;
+}
+
+/// Scales of what carries the length of an interval, by powers of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct IntervalScale(f64);
+
+impl IntervalScale {
+    /// Of a phase: relative to the default mesh, for which the constants below hold.
+    pub(super) fn of(mesh: Mesh, phase: usize) -> Self {
+        Self(Mesh::default().intervals(phase) as f64 / mesh.intervals(phase) as f64)
+    }
+
+    /// Length h, s.
+    pub(super) fn length_s(self) -> f64 {
+        0.005 * self.0
+    }
+
+    /// w = h v, m and rad: speeds of some 10 m/s and rad/s.
+    pub(super) fn w(self) -> f64 {
+        0.05 * self.0
+    }
+
+    /// b = h^2 a, m and rad: 4,000 rad/s^2, what a strike of some 1,200 N does to a shank of 0.3 kg.
+    pub(super) fn b(self) -> f64 {
+        0.1 * self.0 * self.0
+    }
+
+    /// Equations of motion times h^2, kg m: some hundreds of grammes times b.
+    pub(super) fn motion(self) -> f64 {
+        0.02 * self.0 * self.0
+    }
 }
 
 /// All variables in the order of the layout.
@@ -35,12 +60,11 @@ pub(super) fn variables(problem: &Problem, layout: &Layout) -> Vec<Variable> {
     let pushing = [0.0, f64::INFINITY];
 
     for phase in 0..PHASES {
-        let shortest = if STANDING[phase].is_some() {
-            limits.stance_s
+        let durations = if STANDING[phase].is_some() {
+            [limits.stance_s, limits.longest_stance_s]
         } else {
-            limits.flight_s
+            [limits.flight_s, limits.longest_flight_s]
         };
-        let durations = [shortest, limits.phase_s];
         set(
             layout.duration(phase),
             format!("duration {phase}"),
@@ -53,12 +77,13 @@ pub(super) fn variables(problem: &Problem, layout: &Layout) -> Vec<Variable> {
             free,
             scale::SHARE,
         );
+        let w = IntervalScale::of(problem.mesh, phase).w();
         for k in 0..COORDINATES {
             set(
                 layout.phase_start_w(phase) + k,
                 format!("start {phase} w{k}"),
                 free,
-                scale::W,
+                w,
             );
         }
     }
@@ -97,10 +122,11 @@ pub(super) fn variables(problem: &Problem, layout: &Layout) -> Vec<Variable> {
                 place.phase, place.interval, place.stage
             )
         };
+        let interval = IntervalScale::of(problem.mesh, place.phase);
         for (k, range) in ranges.into_iter().enumerate() {
             set(layout.q(place) + k, name("q", k), range, scale::LENGTH_M);
-            set(layout.w(place) + k, name("w", k), free, scale::W);
-            set(layout.b(place) + k, name("b", k), free, scale::B);
+            set(layout.w(place) + k, name("w", k), free, interval.w());
+            set(layout.b(place) + k, name("b", k), free, interval.b());
         }
         for k in 0..JOINTS {
             let limit = torques[k % 2];

@@ -195,13 +195,14 @@ pub(super) fn map(
 fn meaning(choice: Choice) -> &'static str {
     match choice {
         Choice::Own => "this project's choices",
-        Choice::ShortPhases => "no phase longer than 60 ms (shorter steps)",
-        Choice::LongPhases => "phases up to 150 ms (longer steps)",
+        Choice::ShortStance => "no stance longer than 60 ms",
+        Choice::LongStance => "stances up to 150 ms",
         Choice::SlowJoints => "joints no faster than 40 rad/s",
         Choice::NarrowHips => "hips from -80 to 40 degrees",
         Choice::SharpFriction => "friction turns within 0.03 m/s",
         Choice::BluntFriction => "friction turns within 0.3 m/s",
         Choice::ShallowFoot => "foot no deeper than 20 mm",
+        Choice::FineMesh => "every interval halved",
     }
 }
 

@@ -3,6 +3,7 @@
 mod drawings;
 mod extrapolation;
 mod figures;
+mod quality;
 mod strides;
 mod words;
 
@@ -17,7 +18,7 @@ use report::{Block, Evidence, NoticeKind, Value};
 
 use self::strides::{Solved, of_sweep};
 use super::machine;
-use crate::stage::{Needs, Stage, StageContext, StageError, StageOutput, StageStatus, TableFile};
+use crate::stage::{Needs, Stage, StageContext, StageError, StageOutput};
 
 /// The gait.
 pub(super) struct Gait;
@@ -122,8 +123,8 @@ impl Stage for Gait {
             extrapolation::figure(published, [brush.forward, brush.reverse], slip)?;
         blocks.push(figure.into());
         output.values.extend(values);
-        quality(&solved, &mut output);
-        output.tables.push(table(&solved));
+        quality::measure(&solved, &targets, &mut output);
+        output.tables.push(quality::table(&solved));
         output
             .sections
             .push(words::section(blocks, &output.values, quick));
@@ -389,64 +390,4 @@ fn largest_slip(solved: &[Solved]) -> f64 {
             Some(foot_velocity(&s.outcome.problem.biped, &sample.q, &sample.v, leg)[0].abs())
         })
         .fold(0.0, f64::max)
-}
-
-/// How far the numbers can be trusted: certificates, and the mesh against a finer integration.
-fn quality(solved: &[Solved], output: &mut StageOutput) {
-    let count = certified(solved).count();
-    let energy = certified(solved)
-        .map(|s| s.outcome.motion.energy_gap(&s.outcome.problem))
-        .fold(0.0, f64::max);
-    for (id, number) in [
-        ("gait.strides.certified", count as f64),
-        ("gait.strides.solved", solved.len() as f64),
-        ("gait.mesh.worst_energy_gap", energy),
-    ] {
-        output.values.push(value(id.into(), number, "1"));
-    }
-    let steps: usize = solved.iter().map(|s| s.outcome.iterations).sum();
-    let subproblems: usize = solved.iter().map(|s| s.outcome.subproblems).sum();
-    output
-        .work
-        .insert("steps of the solver".into(), steps as u64);
-    output
-        .work
-        .insert("quadratic subproblems".into(), subproblems as u64);
-    if count < solved.len() {
-        let detail = format!(
-            "{} of {} strides lack a certificate",
-            solved.len() - count,
-            solved.len()
-        );
-        output.status = StageStatus::NotConverged(detail);
-    }
-}
-
-/// Every stride with its status.
-fn table(solved: &[Solved]) -> TableFile {
-    let mut csv = String::from(
-        "contact,k,c,choice,brush,weight,target_m_s,status,cost,speed_m_s,period_s,effort\n",
-    );
-    for s in solved {
-        let (name, outcome) = (&s.name, &s.outcome);
-        csv.push_str(&format!(
-            "{:?},{},{},{},{},{},{},{:?},{},{},{},{}\n",
-            name.kind,
-            name.k,
-            name.c,
-            name.choice.id(),
-            name.brush.id(),
-            name.weight,
-            name.aim,
-            outcome.status,
-            outcome.cost,
-            outcome.motion.speed_m_s,
-            outcome.motion.period_s(),
-            outcome.motion.effort(&outcome.problem),
-        ));
-    }
-    TableFile {
-        name: "gait-strides".into(),
-        csv,
-    }
 }

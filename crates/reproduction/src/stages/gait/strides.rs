@@ -19,7 +19,18 @@ const MAX_ITERATIONS: usize = 30;
 struct Start {
     #[serde(flatten)]
     name: Name,
+    #[serde(flatten)]
+    search: Option<Search>,
     x: Vec<f64>,
+}
+
+/// What the search that made the starts knows of one of them.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub(super) struct Search {
+    /// Starts from which it ended in this stride.
+    pub(super) found: usize,
+    /// Starts from which it solved the problem.
+    pub(super) tried: usize,
 }
 
 #[derive(Deserialize)]
@@ -31,6 +42,8 @@ struct File {
 #[derive(Clone, Debug)]
 pub(super) struct Solved {
     pub(super) name: Name,
+    /// Of the search for its start, where it kept a count.
+    pub(super) search: Option<Search>,
     pub(super) outcome: Outcome,
 }
 
@@ -52,7 +65,7 @@ pub(super) fn solve(
 ) -> Result<Vec<Solved>, StageError> {
     let file: File = serde_json::from_str(STARTS)
         .map_err(|error| StageError::Failed(format!("data/strides.json: {error}")))?;
-    let (names, cases): (Vec<Name>, Vec<Case>) = file
+    let (names, cases): (Vec<(Name, Option<Search>)>, Vec<Case>) = file
         .starts
         .into_iter()
         .filter(|start| wanted(&start.name))
@@ -61,21 +74,26 @@ pub(super) fn solve(
                 problem: start.name.problem(biped, brush),
                 starts: vec![Point::cold(start.x)],
             };
-            (start.name, case)
+            ((start.name, start.search), case)
         })
         .unzip();
     named(names, &cases, &options())
 }
 
-fn named(names: Vec<Name>, cases: &[Case], options: &Options) -> Result<Vec<Solved>, StageError> {
+fn named(
+    names: Vec<(Name, Option<Search>)>,
+    cases: &[Case],
+    options: &Options,
+) -> Result<Vec<Solved>, StageError> {
     let outcomes =
         solve_all(cases, options).map_err(|error| StageError::Failed(error.to_string()))?;
     Ok(names
         .into_iter()
         .zip(outcomes)
-        .filter_map(|(name, outcome)| {
+        .filter_map(|((name, search), outcome)| {
             Some(Solved {
                 name,
+                search,
                 outcome: outcome?,
             })
         })
@@ -111,7 +129,7 @@ pub(super) fn accelerate(periodic: &[&Solved], start_m_s: f64) -> Result<Vec<Sol
         max_iterations: 2 * MAX_ITERATIONS,
         ..options()
     };
-    let names = periodic.iter().map(|solved| solved.name).collect();
+    let names = periodic.iter().map(|solved| (solved.name, None)).collect();
     named(names, &cases, &options)
 }
 

@@ -1,0 +1,72 @@
+//! Strides on finer and finer meshes: what the mesh does to cost and speed, and what it costs.
+//!
+//! `cargo run --release -p biped --example refine -- FILE [WEIGHT]`; FILE as data/strides.json.
+
+use biped::gait::catalogue::Name;
+use biped::gait::refine::on_mesh;
+use biped::gait::{Mesh, Problem, motion::Motion, programme::Stride};
+use serde::Deserialize;
+use std::error::Error;
+use trajectory::{Options, Start, solve};
+
+#[path = "../tests/sample/mod.rs"]
+mod sample;
+
+#[derive(Deserialize)]
+struct Row {
+    #[serde(flatten)]
+    name: Name,
+    x: Vec<f64>,
+}
+
+#[derive(Deserialize)]
+struct File {
+    starts: Vec<Row>,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let path = std::env::args().nth(1).ok_or("which file?")?;
+    let wanted: Option<f64> = std::env::args().nth(2).map(|n| n.parse()).transpose()?;
+    let file: File = serde_json::from_str(&std::fs::read_to_string(path)?)?;
+    let brush = sample::brush();
+    for Row { name, x } in file.starts {
+        if wanted.is_some_and(|weight| weight != name.weight) {
+            continue;
+        }
+        println!("{name:?}");
+        let mut problem = name.problem(&sample::biped(), brush);
+        let mut start = Start::cold(x);
+        let own = problem.mesh;
+        // In halves of the stride's own mesh.
+        for halves in [2, 3, 4] {
+            let mesh = Mesh {
+                stance: own.stance * halves / 2,
+                flight: own.flight * halves / 2,
+            };
+            start = Start::cold(on_mesh(&problem, &start.x, mesh));
+            problem = Problem { mesh, ..problem };
+            let clock = std::time::Instant::now();
+            let options = Options {
+                max_iterations: 60,
+                ..Options::default()
+            };
+            let s = solve(&Stride::new(problem), &start, &options)?;
+            let seconds = clock.elapsed();
+            let motion = Motion::new(&problem, &s.x);
+            println!(
+                "  {}/{}: {:?} cost {:.6} speed {:.4} energy {:.1e} again {:?} steps {} subproblems {} {seconds:.2?}",
+                mesh.stance,
+                mesh.flight,
+                s.status,
+                s.cost,
+                motion.speed_m_s,
+                motion.energy_gap(&problem),
+                motion.reintegration(&problem, 8),
+                s.counters.iterations,
+                s.counters.subproblems,
+            );
+            start.x = s.x;
+        }
+    }
+    Ok(())
+}
