@@ -41,6 +41,9 @@ pub fn design(campaign: &Campaign, options: &Options) -> Result<Design, Diagnosi
         run.initial_state = InitialState::Relaxed;
     }
     let mut bench = bench(&blind, options)?;
+    // The stand-in for the forces is flat: that is no clipped and no coarse channel.
+    bench.masked.fill(false);
+    bench.step_n = None;
     let model = rig::Model::new(bench.law, Vec::new(), &bench.experiment)?;
     let parameters: Vec<f64> = match &bench.prior {
         Some(prior) => model.at_null(&prior.values, &bench.experiment),

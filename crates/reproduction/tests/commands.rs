@@ -174,6 +174,59 @@ fn from_plain_files_to_parameters() {
     );
 }
 
+/// What a protocol could tell follows from its motions: the same answer with any forces, a threshold for what the ramps show,
+/// none for what one load cannot, and what is one thing on one load has no angle between.
+#[test]
+fn a_design_reads_no_forces_and_gives_thresholds() {
+    let shipped = root().join("data/campaigns/brush-2x2-aluminium");
+    let answer = run(&["diagnose", "--design", shipped.to_str().unwrap()]);
+    assert_eq!(answer.code, 0, "{answer:?}");
+    let line = |cause: &str| {
+        let start = format!("{cause} | ");
+        let found = answer.stdout.lines().find(|l| l.starts_with(&start));
+        found.map(str::to_owned).unwrap_or_default()
+    };
+    for cause in ["wear", "surface-gradient", "sensor-lag", "surface-texture"] {
+        let size = line(cause)
+            .split_whitespace()
+            .filter_map(|word| word.parse::<f64>().ok())
+            .next();
+        assert!(size.is_some_and(|s| s > 0.0), "{cause}: {}", answer.stdout);
+    }
+    assert!(line("stage-tilt").ends_with("force-zero-offset (0)"));
+    assert!(line("load-dependence").is_empty(), "one load only");
+
+    let folder = TempDir::new().unwrap();
+    let other = folder.path().join("other");
+    fs::create_dir_all(other.join("runs")).unwrap();
+    fs::copy(
+        shipped.join("datapackage.json"),
+        other.join("datapackage.json"),
+    )
+    .unwrap();
+    for entry in fs::read_dir(shipped.join("runs")).unwrap() {
+        let entry = entry.unwrap();
+        let text = fs::read_to_string(entry.path()).unwrap();
+        let path = other.join("runs").join(entry.file_name());
+        fs::write(path, with_other_forces(&text)).unwrap();
+    }
+    let again = run(&["diagnose", "--design", other.to_str().unwrap()]);
+    assert_eq!(again.stdout, answer.stdout);
+}
+
+/// The same run with the last column scaled and bent.
+fn with_other_forces(csv: &str) -> String {
+    let mut lines = csv.lines();
+    let mut out = format!("{}\n", lines.next().unwrap());
+    for (place, line) in lines.enumerate() {
+        let (rest, force) = line.rsplit_once(',').unwrap();
+        let force: f64 = force.parse().unwrap();
+        let bent = 0.5 * force + 0.01 * (place as f64 * 0.3).sin();
+        out.push_str(&format!("{rest},{bent:.6}\n"));
+    }
+    out
+}
+
 /// A public tribometer record lies beside some working copies; it is not the project's to ship.
 #[test]
 fn a_real_tribometer_record_is_checked_and_identified() {
