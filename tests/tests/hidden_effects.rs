@@ -188,6 +188,50 @@ fn a_coarse_channel_leaves_nothing_unexplained() {
     assert_none(&complaints(&trials, &[Verdict::Right]));
 }
 
+/// With the law's parameters known from elsewhere a specimen that leans otherwise is a cause; a healthy one is none.
+#[test]
+fn a_shifted_lean_is_a_cause_against_a_model_from_elsewhere() {
+    let _guard = ONE_AT_A_TIME
+        .lock()
+        .unwrap_or_else(std::sync::PoisonError::into_inner);
+    let healthy = |seed: u64| {
+        Case::nothing(Protocol::PaperBlocked, NoiseKind::Usual, seed)
+            .of_specimen(SEED)
+            .carry_out()
+            .expect("a case of the catalogue")
+    };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    planting::package::write(folder.path(), &healthy(SEED + 500).files).expect("it can be written");
+    let campaign = campaign::open(folder.path()).expect("it is a campaign");
+    let quick = Options {
+        quick: true,
+        ..Options::default()
+    };
+    let known = diagnosis::diagnose_fully(&campaign, &quick).expect("a brush");
+    let against = Options {
+        model: Some(known.plain),
+        ..quick
+    };
+    let same = ask(&healthy(SEED + 501).files, &against).expect("a campaign");
+    assert_eq!(same.json["status"], "consistent", "{}", same.json);
+
+    let case = Case::one("lean-angle", 1.0, Protocol::PaperBlocked, SEED + 502).of_specimen(SEED);
+    let other = case.carry_out().expect("a case of the catalogue");
+    let answer = ask(&other.files, &against).expect("a campaign").json;
+    assert_eq!(answer["findings"][0]["cause"], "lean-angle", "{answer}");
+    assert_eq!(answer["findings"].as_array().map(Vec::len), Some(1));
+    assert_eq!(answer["findings"][0]["equivalent"], serde_json::json!([]));
+    let parameter = &answer["findings"][0]["parameters"][0];
+    let planting::effect::Effect::LeanAngle { angle_rad: planted } = other.key.effects[0] else {
+        panic!("a lean was planted: {:?}", other.key.effects)
+    };
+    let inside = |k: usize| parameter["ci95"][k].as_f64().expect("an interval");
+    assert!(
+        inside(0) < planted && planted < inside(1),
+        "{planted}: {parameter}"
+    );
+}
+
 /// Two causes at once are two findings.
 #[test]
 fn a_pair_is_two_findings() {

@@ -10,7 +10,7 @@ use crate::answer::{
 };
 use crate::bench::{Bench, Prior, Stand, Subset};
 use crate::causes;
-use crate::equivalence::{Contest, SEPARABLE, contest};
+use crate::equivalence::{Contest, contest};
 use crate::experiment::{Hypothesis, propose};
 use crate::floor;
 use crate::gain;
@@ -18,6 +18,7 @@ use crate::integrity::{Integrity, inspect};
 use crate::intervals;
 use crate::laws;
 use crate::probability::weight_of_set;
+use crate::refusal::refuse_beaten;
 use crate::samples::Samples;
 use crate::selection::{ALPHA_GENERAL, ALPHA_NAME, Depth, SHAPE_TOLERANCE, Selected, select};
 use crate::tail::equivalent_z;
@@ -213,12 +214,15 @@ pub fn diagnose(campaign: &Campaign, options: &Options) -> Result<Diagnosis, Dia
 pub fn diagnose_fully(campaign: &Campaign, options: &Options) -> Result<Diagnosed, DiagnosisError> {
     let bench = bench(campaign, options)?;
     let subset = Subset::all(&bench);
-    let selected =
+    let mut selected =
         select(&bench, &subset, Depth::Full, None).ok_or(DiagnosisError::NoFit(bench.law.id()))?;
     let integrity = inspect(campaign, selected.stand.sizes.sensor);
-    let contests: Vec<Contest> = (0..selected.stand.fitted.effects.len())
+    let mut contests: Vec<Contest> = (0..selected.stand.fitted.effects.len())
         .filter_map(|k| contest(&bench, &subset, &selected.stand, &selected.first, k))
         .collect();
+    if refuse_beaten(&bench, &subset, &mut selected, &contests) {
+        contests.clear();
+    }
     let mut answer = assemble(&bench, &subset, &selected, &contests, &integrity);
     if !options.quick {
         complete(&bench, &selected, &contests, &mut answer, options);
@@ -243,7 +247,7 @@ fn complete(
     options: &Options,
 ) {
     let scatter = selected.stand.ground.likeliest_scatter();
-    let ties: Vec<Vec<usize>> = contests.iter().map(tied).collect();
+    let ties: Vec<Vec<usize>> = contests.iter().map(Contest::tied).collect();
     if let Some(gains) = gain::judge(bench, selected, &ties, answer.noise_floor.rmse) {
         answer.baseline.held_out_rmse = Some(gains.held_out_law);
         answer.gain = gains.joint;
@@ -442,16 +446,6 @@ fn notes(bench: &Bench<'_>, selected: &Selected) -> Vec<String> {
     notes
 }
 
-/// Causes that cannot be told from a named one.
-fn tied(contest: &Contest) -> Vec<usize> {
-    contest
-        .opponents
-        .iter()
-        .filter(|o| o.separation < SEPARABLE)
-        .map(|o| o.cause)
-        .collect()
-}
-
 /// A named cause as it stands in the answer.
 fn finding(
     bench: &Bench<'_>,
@@ -462,7 +456,8 @@ fn finding(
 ) -> Finding {
     let own = selected.stand.fitted.effects[k];
     let cause = &bench.catalogue[own];
-    let mut equivalent: Vec<String> = tied(contest)
+    let mut equivalent: Vec<String> = contest
+        .tied()
         .into_iter()
         .map(|cause| bench.catalogue[cause].id().to_owned())
         .collect();

@@ -21,6 +21,8 @@ use crate::selection::{is_dear, without};
 
 /// Distance below which no test separates two causes.
 pub(crate) const SEPARABLE: f64 = 4.7;
+/// A rival that leaves this share of the effect's length imitates nothing, however short the effect is.
+const NO_IMITATION: f64 = 0.9;
 /// Rivals with distances up to this are fitted to the data.
 const NEAR: f64 = 8.0;
 
@@ -40,8 +42,22 @@ pub(crate) struct Opponent {
 pub(crate) struct Contest {
     /// Deviance that the cause saves when it comes last.
     pub(crate) saved: f64,
+    /// |d| of (D3).
+    pub(crate) length: f64,
     /// Rivals, nearest first.
     pub(crate) opponents: Vec<Opponent>,
+}
+
+impl Contest {
+    /// Causes that cannot be told from the named one.
+    pub(crate) fn tied(&self) -> Vec<usize> {
+        let reach = SEPARABLE.min(NO_IMITATION * self.length);
+        self.opponents
+            .iter()
+            .filter(|o| o.separation < reach)
+            .map(|o| o.cause)
+            .collect()
+    }
 }
 
 /// Sets the k-th effect of a fitted model against all other causes.
@@ -145,7 +161,11 @@ pub(crate) fn contest(
         .map_or(length * length, |fit| {
             stand.deviance_of(bench, subset, &fit) - stand.deviance
         });
-    Some(Contest { saved, opponents })
+    Some(Contest {
+        saved,
+        length,
+        opponents,
+    })
 }
 
 /// Fits the rival to the data in the cause's place.

@@ -1,9 +1,10 @@
 //! When names are taken back: a refusal beats a wrong name.
 
 use crate::bench::{Bench, Stand, Subset};
+use crate::equivalence::{Contest, Opponent};
 use crate::general::{self, Lack};
 use crate::left::lack;
-use crate::selection::{ALPHA_GENERAL, MOST_EFFECTS, Selected};
+use crate::selection::{ALPHA_GENERAL, ALPHA_NAME, MOST_EFFECTS, Selected};
 use crate::uniform::is_uniform;
 
 /// Where something is left that nothing explains, causes stay named only if they explain this share of all of it.
@@ -16,6 +17,25 @@ pub(crate) fn take_back(bench: &Bench<'_>, subset: &Subset, selected: &mut Selec
     keep_dominant(bench, subset, selected);
 }
 
+/// Where a named cause saves nothing once all is fitted, or another one in its place saves more by what a name must be worth,
+/// the selection has not found what is there: nothing is named. Returns whether names were taken back.
+pub(crate) fn refuse_beaten(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    selected: &mut Selected,
+    contests: &[Contest],
+) -> bool {
+    let worth = -2.0 * (ALPHA_NAME / selected.first.asked.max(1) as f64).ln();
+    let beaten = contests.iter().any(|contest| {
+        let better = |o: &Opponent| o.excess_deviance < -worth;
+        !(contest.saved > 0.0) || contest.opponents.iter().any(better)
+    });
+    if beaten {
+        take_all_back(bench, subset, selected);
+    }
+    beaten
+}
+
 /// Where a named cause does not act everywhere that its signature says, or where causes pile up, nothing is named: the
 /// structure has another cause.
 fn refuse_uneven(bench: &Bench<'_>, subset: &Subset, selected: &mut Selected) {
@@ -23,6 +43,11 @@ fn refuse_uneven(bench: &Bench<'_>, subset: &Subset, selected: &mut Selected) {
     if count < MOST_EFFECTS && (0..count).all(|k| is_uniform(bench, subset, &selected.stand, k)) {
         return;
     }
+    take_all_back(bench, subset, selected);
+}
+
+/// The law alone again; what was seen stays seen.
+fn take_all_back(bench: &Bench<'_>, subset: &Subset, selected: &mut Selected) {
     let seen = selected.entry_log_p.iter().copied().fold(0.0, f64::min);
     let fitted = selected.baseline.fitted.clone();
     selected.stand = Stand::new(bench, subset, fitted, selected.stand.sizes);
