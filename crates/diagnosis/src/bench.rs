@@ -10,6 +10,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use rayon::prelude::*;
 use rig::{Cause, Experiment, Model, ModelFile};
 
+use crate::condense::Condensed;
 use crate::ground::Ground;
 use crate::integrity::is_coarse;
 use crate::samples::Samples;
@@ -88,6 +89,8 @@ pub(crate) struct Subset {
     /// Places of each run among the rows.
     ranges: Vec<Range<usize>>,
     rows: Vec<usize>,
+    /// Weight of each row, where rows have weights.
+    weight: Option<DVector<f64>>,
     whole: bool,
 }
 
@@ -105,9 +108,11 @@ impl Subset {
             }
         }
         let whole = rows.len() == bench.samples.len();
+        let weight = bench.samples.weight.as_ref();
         Self {
             runs: kept,
             ranges,
+            weight: weight.map(|w| DVector::from_iterator(rows.len(), rows.iter().map(|&i| w[i]))),
             rows,
             whole,
         }
@@ -122,16 +127,29 @@ impl Subset {
         self.rows.len()
     }
 
+    /// A stacked series at the rows that are looked at, times their weights.
     pub(crate) fn gather(&self, stacked: &[f64]) -> DVector<f64> {
-        DVector::from_iterator(self.rows.len(), self.rows.iter().map(|&i| stacked[i]))
+        let mut own =
+            DVector::from_iterator(self.rows.len(), self.rows.iter().map(|&i| stacked[i]));
+        if let Some(weight) = &self.weight {
+            own.component_mul_assign(weight);
+        }
+        own
     }
 
+    /// The same of columns.
     pub(crate) fn gather_columns(&self, stacked: &DMatrix<f64>) -> DMatrix<f64> {
-        if self.whole {
+        let mut own = if self.whole {
             stacked.clone()
         } else {
             stacked.select_rows(&self.rows)
+        };
+        if let Some(weight) = &self.weight {
+            for mut column in own.column_iter_mut() {
+                column.component_mul_assign(weight);
+            }
         }
+        own
     }
 
     /// The noise's context of these runs.
@@ -141,14 +159,18 @@ impl Subset {
             runs: self.ranges.clone(),
             sliding: pick(&bench.samples.sliding),
             place: pick(&bench.samples.place),
-            scale: pick(scale),
+            scale: self.gather(scale).as_slice().to_vec(),
             ring: Vec::new(),
         }
     }
 
-    /// The noise's context beside a fit: on a cord roughness reaches the record through the cord's resonance.
+    /// The noise's context beside a fit: on a cord roughness reaches the record through the cord's resonance, which averaged
+    /// samples do not show.
     pub(crate) fn context_of(&self, bench: &Bench<'_>, fitted: &Fitted) -> Context {
         let mut context = self.context(bench, &fitted.prediction);
+        if self.weight.is_some() {
+            return context;
+        }
         context.ring = self
             .runs
             .iter()
@@ -196,6 +218,8 @@ pub(crate) struct Fitted {
     pub(crate) converged: bool,
 }
 
+/// Steps of a cord for each row of a condensed record: what rings faster is not in the rows.
+const STEPS_A_ROW: usize = 20;
 /// Starts of the law that are fitted roughly, of all that are looked at.
 const STARTS_FITTED: usize = 12;
 /// Of these, fits that are carried to their end.
@@ -325,7 +349,11 @@ impl<'a> Bench<'a> {
     /// The model of the law with these effects.
     pub(crate) fn model(&self, effects: &[usize]) -> Option<Model> {
         let effects = effects.iter().map(|&i| self.catalogue[i].boxed()).collect();
-        Model::new(self.law, effects, &self.experiment).ok()
+        let model = Model::new(self.law, effects, &self.experiment).ok()?;
+        Some(match self.samples.weight {
+            Some(_) => model.with_steps_a_sample(STEPS_A_ROW),
+            None => model,
+        })
     }
 
     /// Fits a law with effects from one start. `target` replaces the measured force (stacked, all runs) where a fit to a
@@ -378,6 +406,30 @@ impl<'a> Bench<'a> {
             parameters: fit.parameters,
             model,
         })
+    }
+
+    /// The same questions to a condensed record.
+    pub(crate) fn condensed<'c>(&self, short: &'c Condensed) -> Bench<'c> {
+        let mut samples = Samples::new(&short.campaign);
+        samples.weight = Some(short.weight.clone());
+        let mut experiment = Experiment::new(&short.campaign).expect("what moves goes on moving");
+        for (run, own) in experiment.runs.iter_mut().zip(&self.experiment.runs) {
+            run.started_s = own.started_s;
+            run.rest_s = own.rest_s;
+            run.prior_distance_m = own.prior_distance_m;
+        }
+        Bench {
+            campaign: &short.campaign,
+            experiment,
+            samples,
+            law: self.law,
+            catalogue: self.catalogue.iter().map(|c| c.boxed()).collect(),
+            prior: self.prior.clone(),
+            stated_sensor: self.stated_sensor,
+            repeats: self.repeats,
+            masked: short.masked.clone(),
+            step_n: self.step_n,
+        }
     }
 
     /// Samples whose mechanics must be computed, runs with the same motion counted once.

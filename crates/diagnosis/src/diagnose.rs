@@ -8,9 +8,11 @@ use crate::anatomy::anatomy;
 use crate::answer::{
     Baseline, Diagnosis, Estimate, Evidence, Finding, Hidden, LawFit, Rival, Status, Unexplained,
 };
-use crate::bench::{Bench, Prior, Stand, Subset};
+use crate::bench::{Bench, Fitted, Prior, Stand, Subset};
 use crate::causes;
+use crate::condense::condense;
 use crate::equivalence::{Contest, contest};
+use crate::excerpt::Excerpt;
 use crate::experiment::{Hypothesis, propose};
 use crate::floor;
 use crate::gain;
@@ -23,6 +25,7 @@ use crate::samples::Samples;
 use crate::selection::{ALPHA_GENERAL, ALPHA_NAME, Depth, SHAPE_TOLERANCE, Selected, select};
 use crate::tail::equivalent_z;
 use crate::ties;
+use crate::whole::Whole;
 
 /// What the reader asks.
 #[derive(Clone, Debug, Default)]
@@ -211,25 +214,48 @@ pub fn diagnose(campaign: &Campaign, options: &Options) -> Result<Diagnosis, Dia
 ///
 /// # Errors
 /// As [`diagnose`].
-pub fn diagnose_fully(campaign: &Campaign, options: &Options) -> Result<Diagnosed, DiagnosisError> {
-    let bench = bench(campaign, options)?;
-    let subset = Subset::all(&bench);
+pub fn diagnose_fully(
+    whole_campaign: &Campaign,
+    options: &Options,
+) -> Result<Diagnosed, DiagnosisError> {
+    let excerpt = Excerpt::of(whole_campaign);
+    let every_run = excerpt
+        .as_ref()
+        .map(|_| Experiment::new(whole_campaign))
+        .transpose()?;
+    let campaign = excerpt.as_ref().map_or(whole_campaign, |e| &e.campaign);
+    let mut recorded = bench(campaign, options)?;
+    if let (Some(excerpt), Some(all)) = (&excerpt, &every_run) {
+        excerpt.place(all, &mut recorded.experiment);
+    }
+    let condensed = condense(campaign, &recorded.samples, &recorded.masked);
+    let short = condensed.as_ref().map(|c| recorded.condensed(c));
+    let bench = short.as_ref().unwrap_or(&recorded);
+    let subset = Subset::all(bench);
     let mut selected =
-        select(&bench, &subset, Depth::Full, None).ok_or(DiagnosisError::NoFit(bench.law.id()))?;
+        select(bench, &subset, Depth::Full, None).ok_or(DiagnosisError::NoFit(bench.law.id()))?;
     let integrity = inspect(campaign, selected.stand.sizes.sensor);
     let mut contests: Vec<Contest> = (0..selected.stand.fitted.effects.len())
-        .filter_map(|k| contest(&bench, &subset, &selected.stand, &selected.first, k))
+        .filter_map(|k| contest(bench, &subset, &selected.stand, &selected.first, k))
         .collect();
-    if refuse_beaten(&bench, &subset, &mut selected, &contests) {
+    if refuse_beaten(bench, &subset, &mut selected, &contests) {
         contests.clear();
     }
-    let mut answer = assemble(&bench, &subset, &selected, &contests, &integrity);
-    if !options.quick {
-        complete(&bench, &selected, &contests, &mut answer, options);
+    let whole = Whole::of(&recorded, bench, &selected);
+    let mut answer = assemble(&whole, &selected, &contests, &integrity);
+    if let Some(condensed) = &condensed {
+        answer.notes.push(condensed.note(&recorded.samples));
     }
-    let extension = model_file(&bench, &selected.stand);
-    let plain = model_file(&bench, &selected.baseline);
-    let curves = curves(&bench, &selected);
+    if let (Some(excerpt), Some(all)) = (&excerpt, &every_run) {
+        let note = excerpt.note(whole_campaign, all, &whole.law, &whole.extended);
+        answer.notes.push(note);
+    }
+    if !options.quick {
+        complete(bench, &whole, &selected, &contests, &mut answer, options);
+    }
+    let extension = model_file(&recorded, &selected.stand, &whole.extended);
+    let plain = model_file(&recorded, &selected.baseline, &whole.law);
+    let curves = curves(&whole, &selected);
     Ok(Diagnosed {
         answer,
         extension,
@@ -241,6 +267,7 @@ pub fn diagnose_fully(campaign: &Campaign, options: &Options) -> Result<Diagnose
 /// Gain by folds, experiments, ties of the design and the other laws.
 fn complete(
     bench: &Bench<'_>,
+    whole: &Whole<'_>,
     selected: &Selected,
     contests: &[Contest],
     answer: &mut Diagnosis,
@@ -248,7 +275,7 @@ fn complete(
 ) {
     let scatter = selected.stand.ground.likeliest_scatter();
     let ties: Vec<Vec<usize>> = contests.iter().map(Contest::tied).collect();
-    if let Some(gains) = gain::judge(bench, selected, &ties, answer.noise_floor.rmse) {
+    if let Some(gains) = gain::judge(bench, whole, selected, &ties, answer.noise_floor.rmse) {
         answer.baseline.held_out_rmse = Some(gains.held_out_law);
         answer.gain = gains.joint;
         for (k, own) in gains.each.into_iter().enumerate() {
@@ -301,7 +328,7 @@ fn complete(
     ));
     answer.undecidable.extend(ties::lacking(bench));
     if options.model.is_none() {
-        answer.laws = laws::compare(bench, selected);
+        answer.laws = laws::compare(bench, whole, selected);
         if let Some(best) = answer.laws.first()
             && best.law != answer.law
         {
@@ -320,18 +347,18 @@ fn complete(
 }
 
 fn assemble(
-    bench: &Bench<'_>,
-    subset: &Subset,
+    whole: &Whole<'_>,
     selected: &Selected,
     contests: &[Contest],
     integrity: &Integrity,
 ) -> Diagnosis {
-    let noise_floor = floor::noise_floor(bench, selected);
-    let rmse = floor::rmse(bench, &selected.baseline.fitted.prediction, None);
+    let bench = whole.bench;
+    let noise_floor = floor::noise_floor(bench, selected, &whole.extended.prediction, whole.apart);
+    let rmse = floor::rmse(bench, &whole.law.prediction, None);
     let mut findings: Vec<Finding> = contests
         .iter()
         .enumerate()
-        .map(|(k, contest)| finding(bench, subset, selected, contest, k))
+        .map(|(k, contest)| finding(whole, selected, contest, k))
         .collect();
     // Finding order: what saves most comes first.
     findings.sort_by(|a, b| {
@@ -368,7 +395,7 @@ fn assemble(
         .samples
         .force
         .iter()
-        .zip(&selected.baseline.fitted.prediction)
+        .zip(&whole.law.prediction)
         .zip(&bench.samples.load)
         .map(|((m, p), n)| {
             if bench.samples.loaded && *n > 0.0 {
@@ -409,26 +436,26 @@ fn assemble(
         laws: Vec::<LawFit>::new(),
         hidden: hidden(bench, selected),
         gain: None,
-        notes: notes(bench, selected),
+        notes: notes(whole),
     }
 }
 
 /// What a reader should not miss.
-fn notes(bench: &Bench<'_>, selected: &Selected) -> Vec<String> {
+fn notes(whole: &Whole<'_>) -> Vec<String> {
     let mut notes = Vec::new();
-    if !selected.baseline.fitted.converged {
+    if !whole.law.converged {
         notes.push(
             "the fit of the law alone did not converge: not converged: iteration limit".to_owned(),
         );
     }
-    if !selected.stand.fitted.converged && !selected.stand.fitted.effects.is_empty() {
+    if !whole.extended.converged && !whole.extended.effects.is_empty() {
         notes.push("the fit of the extended model did not converge: iteration limit".to_owned());
     }
-    let model = &selected.baseline.fitted.model;
+    let model = &whole.law.model;
     for (spec, value) in model
         .parameters()
         .iter()
-        .zip(&selected.baseline.fitted.parameters)
+        .zip(&whole.law.parameters)
         .take(model.law_parameters())
     {
         if *value <= spec.lower || *value >= spec.upper {
@@ -438,7 +465,7 @@ fn notes(bench: &Bench<'_>, selected: &Selected) -> Vec<String> {
             ));
         }
     }
-    if bench.samples.temperature.is_none() {
+    if whole.bench.samples.temperature.is_none() {
         notes.push(
             "no temperature is recorded: its share of the residual cannot be shown".to_owned(),
         );
@@ -447,13 +474,8 @@ fn notes(bench: &Bench<'_>, selected: &Selected) -> Vec<String> {
 }
 
 /// A named cause as it stands in the answer.
-fn finding(
-    bench: &Bench<'_>,
-    subset: &Subset,
-    selected: &Selected,
-    contest: &Contest,
-    k: usize,
-) -> Finding {
+fn finding(whole: &Whole<'_>, selected: &Selected, contest: &Contest, k: usize) -> Finding {
+    let bench = whole.bench;
     let own = selected.stand.fitted.effects[k];
     let cause = &bench.catalogue[own];
     let mut equivalent: Vec<String> = contest
@@ -484,7 +506,7 @@ fn finding(
         station: cause.station().id().into(),
         probability: weight_of_set(bench, contest, own, &equivalent),
         equivalent,
-        parameters: intervals::estimates(bench, subset, &selected.stand, k),
+        parameters: intervals::estimates(bench, &selected.stand, &whole.extended, k),
         gain: None,
         evidence: Evidence {
             delta_log_likelihood: 0.5 * contest.saved,
@@ -558,9 +580,9 @@ fn hidden(bench: &Bench<'_>, selected: &Selected) -> Vec<Hidden> {
         .collect()
 }
 
-/// A fitted model as a file.
-fn model_file(bench: &Bench<'_>, stand: &Stand) -> ModelFile {
-    let law = stand.fitted.model.law_parameters();
+/// A fitted model as a file: the parameters of `fitted`, which are as uncertain as the stand says.
+fn model_file(bench: &Bench<'_>, stand: &Stand, fitted: &Fitted) -> ModelFile {
+    let law = fitted.model.law_parameters();
     let covariance = intervals::covariance(stand);
     let place = |p: usize| stand.columns.iter().position(|&c| c == p);
     let entry = |i: usize, j: usize| match (place(i), place(j), &covariance) {
@@ -568,7 +590,7 @@ fn model_file(bench: &Bench<'_>, stand: &Stand) -> ModelFile {
         _ => 0.0,
     };
     let sd: Vec<f64> = (0..law).map(|i| entry(i, i).max(0.0).sqrt()).collect();
-    let mut file = ModelFile::new(bench.law, &stand.fitted.parameters[..law], Some(&sd));
+    let mut file = ModelFile::new(bench.law, &fitted.parameters[..law], Some(&sd));
     let fastest = bench
         .samples
         .velocity
@@ -580,15 +602,15 @@ fn model_file(bench: &Bench<'_>, stand: &Stand) -> ModelFile {
             .map(|i| (0..law).map(|j| entry(i, j)).collect())
             .collect()
     });
-    for k in 0..stand.fitted.effects.len() {
-        let span = stand.fitted.model.span(k);
+    for k in 0..fitted.effects.len() {
+        let span = fitted.model.span(k);
         let own: Vec<Vec<f64>> = span
             .clone()
             .map(|i| span.clone().map(|j| entry(i, j)).collect())
             .collect();
         let mut entry = ModelFile::extension_entry(
-            bench.catalogue[stand.fitted.effects[k]].as_ref(),
-            &stand.fitted.parameters[span],
+            bench.catalogue[fitted.effects[k]].as_ref(),
+            &fitted.parameters[span],
             covariance.as_ref().map(|_| own.as_slice()),
         );
         for parameter in &mut entry.parameters {
@@ -599,17 +621,18 @@ fn model_file(bench: &Bench<'_>, stand: &Stand) -> ModelFile {
     file
 }
 
-fn curves(bench: &Bench<'_>, selected: &Selected) -> Curves {
+fn curves(whole: &Whole<'_>, selected: &Selected) -> Curves {
+    let bench = whole.bench;
     let s = selected.stand.sizes;
     let relative = s.private.powi(2) + s.plate.powi(2) + s.scatter.powi(2);
-    let extended = selected.stand.fitted.prediction.clone();
+    let extended = whole.extended.prediction.clone();
     Curves {
         runs: bench.samples.runs.clone(),
         names: bench.campaign.runs.iter().map(|r| r.name.clone()).collect(),
         time_s: bench.samples.time.clone(),
         velocity_m_s: bench.samples.velocity.clone(),
         measured: bench.samples.force.clone(),
-        law: selected.baseline.fitted.prediction.clone(),
+        law: whole.law.prediction.clone(),
         band: extended
             .iter()
             .map(|f| 1.96 * (s.sensor * s.sensor + relative * f * f).sqrt())

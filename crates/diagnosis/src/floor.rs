@@ -4,6 +4,7 @@ use fitting::noise::Sizes;
 
 use crate::answer::NoiseFloor;
 use crate::bench::Bench;
+use crate::samples::Samples;
 use crate::selection::Selected;
 
 /// Unit of errors: a coefficient where every run has a load, else newtons or newton metres.
@@ -25,17 +26,39 @@ pub(crate) fn rmse(bench: &Bench<'_>, prediction: &[f64], runs: Option<&[usize]>
 
 /// Sum of squared errors and number of samples; samples without contact do not count.
 pub(crate) fn squares(bench: &Bench<'_>, prediction: &[f64], runs: Option<&[usize]>) -> (f64, f64) {
+    let samples = &bench.samples;
+    match runs {
+        Some(runs) => squares_of(samples, prediction, runs),
+        None => squares_in(samples, prediction, 0..samples.len()),
+    }
+}
+
+/// The same over the given runs, as a root mean square.
+pub(crate) fn rmse_of(samples: &Samples, prediction: &[f64], runs: &[usize]) -> f64 {
+    let (sum, count) = squares_of(samples, prediction, runs);
+    (sum / count.max(1.0)).sqrt()
+}
+
+fn squares_of(samples: &Samples, prediction: &[f64], runs: &[usize]) -> (f64, f64) {
+    let rows = runs.iter().flat_map(|&k| samples.runs[k].clone());
+    squares_in(samples, prediction, rows)
+}
+
+fn squares_in(
+    samples: &Samples,
+    prediction: &[f64],
+    rows: impl Iterator<Item = usize>,
+) -> (f64, f64) {
     let (mut sum, mut count) = (0.0, 0.0);
-    for i in 0..prediction.len() {
-        if runs.is_some_and(|r| !r.contains(&bench.samples.owner[i])) {
+    for i in rows {
+        let load = samples.load[i];
+        if samples.loaded && !(load > 0.0) {
             continue;
         }
-        let load = bench.samples.load[i];
-        if bench.samples.loaded && !(load > 0.0) {
-            continue;
-        }
-        sum += ((bench.samples.force[i] - prediction[i]) / load).powi(2);
-        count += 1.0;
+        // A row counts as often as it stands for samples.
+        let weight = samples.weight.as_ref().map_or(1.0, |w| w[i]);
+        sum += (weight * (samples.force[i] - prediction[i]) / load).powi(2);
+        count += weight * weight;
     }
     (sum, count)
 }
@@ -59,11 +82,19 @@ pub(crate) fn modelled(bench: &Bench<'_>, prediction: &[f64], sizes: &Sizes) -> 
 }
 
 /// The floor: within repeats where there are some, else by the noise model without what the plate repeats.
-pub(crate) fn noise_floor(bench: &Bench<'_>, selected: &Selected) -> NoiseFloor {
+pub(crate) fn noise_floor(
+    bench: &Bench<'_>,
+    selected: &Selected,
+    prediction: &[f64],
+    condensed: bool,
+) -> NoiseFloor {
     let sizes = selected.stand.sizes;
     let measured = identification::repeat_floor(bench.campaign);
-    let prediction = &selected.stand.fitted.prediction;
-    let modelled = modelled(bench, prediction, &sizes);
+    let mut modelled = modelled(bench, prediction, &sizes);
+    if condensed {
+        // What the law misses is one error over a whole row, and looks like so many times the noise of a sample.
+        modelled = modelled.min(rmse(bench, prediction, None));
+    }
     let mut caveats = Vec::new();
     if measured.is_none() {
         caveats.push(

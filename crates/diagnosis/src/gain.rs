@@ -21,19 +21,24 @@ use crate::bench::{Bench, Subset};
 use crate::floor;
 use crate::ground::orthonormal;
 use crate::intervals::student;
-use crate::selection::{Depth, Selected, Warm, select, without};
+use crate::selection::{Depth, Selected, Warm, law_alone, select, without};
+use crate::whole::Whole;
 
 /// Scrambled extensions that a gain must beat.
 const PLACEBOS: usize = 19;
 /// Conditions that are left out as a whole: at most this many, the first of the campaign.
 const WHOLE_CONDITIONS: usize = 3;
+/// Folds over repeats, at most.
+const MOST_FOLDS: usize = 12;
 
 /// Outcome of one fold.
 struct Fold {
     held: Vec<usize>,
-    /// Predictions for all samples: law alone, and with what the fold selected.
+    /// Predictions for all recorded samples: law alone, and with what the fold selected.
     law: Vec<f64>,
     extended: Vec<f64>,
+    /// The law's prediction on the record that was searched, beside which the placebos stand.
+    searched: Vec<f64>,
     /// For each named cause: the extended model without it, where the fold named it.
     lacking: Vec<Option<Vec<f64>>>,
     /// Predictions with each scrambled extension.
@@ -49,7 +54,7 @@ pub(crate) struct Gains {
 
 /// Runs left out, fold by fold.
 fn folds(bench: &Bench<'_>) -> Vec<Vec<usize>> {
-    let mut folds = identification::folds(bench.campaign);
+    let mut folds = merged(identification::folds(bench.campaign));
     let conditions = bench.campaign.conditions();
     if conditions.len() > 2 {
         folds.extend(
@@ -68,16 +73,29 @@ fn folds(bench: &Bench<'_>) -> Vec<Vec<usize>> {
     folds
 }
 
+/// At most [`MOST_FOLDS`] folds: with more repeats each leaves out several runs of a condition.
+fn merged(folds: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
+    if folds.len() <= MOST_FOLDS {
+        return folds;
+    }
+    let mut few = vec![Vec::new(); MOST_FOLDS];
+    for (k, fold) in folds.into_iter().enumerate() {
+        few[k % MOST_FOLDS].extend(fold);
+    }
+    few
+}
+
 /// Judges a selection by folds; `None` where no run can be left out.
 ///
 /// `ties`: for each named cause, the causes that cannot be told from it: a fold that takes one of them in has found it.
 pub(crate) fn judge(
     bench: &Bench<'_>,
+    whole: &Whole<'_>,
     selected: &Selected,
     ties: &[Vec<usize>],
     floor_rmse: f64,
 ) -> Option<Gains> {
-    let folds = folds(bench);
+    let folds = folds(whole.bench);
     if folds.is_empty() {
         return None;
     }
@@ -102,21 +120,22 @@ pub(crate) fn judge(
     let scrambled = scrambled(bench, selected);
     let done: Vec<Option<Fold>> = folds
         .par_iter()
-        .map(|held| fold(bench, held, &warm, &named, &scrambled))
+        .map(|held| fold(bench, whole, held, &warm, &named, &scrambled))
         .collect();
     let done: Vec<Fold> = done.into_iter().flatten().collect();
     if done.is_empty() {
         return None;
     }
-    let law = Errors::pool(bench, &done, |f| &f.law);
-    let extended = Errors::pool(bench, &done, |f| &f.extended);
+    let law = Errors::pool(whole.bench, &done, |f| &f.law);
+    let extended = Errors::pool(whole.bench, &done, |f| &f.extended);
+    let searched = Errors::pool(bench, &done, |f| &f.searched).total();
     let placebo: Vec<f64> = (0..scrambled.len())
-        .map(|p| law.total() - Errors::pool(bench, &done, |f| &f.placebos[p]).total())
+        .map(|p| searched - Errors::pool(bench, &done, |f| &f.placebos[p]).total())
         .collect();
     let joint = (!named.is_empty()).then(|| gain(&law, &extended, floor_rmse, &placebo));
     let each = (0..named.len())
         .map(|k| {
-            let lacking = Errors::pool(bench, &done, |f| {
+            let lacking = Errors::pool(whole.bench, &done, |f| {
                 f.lacking[k].as_ref().unwrap_or(&f.extended)
             });
             Some(gain(&lacking, &extended, floor_rmse, &placebo))
@@ -131,6 +150,7 @@ pub(crate) fn judge(
 
 fn fold(
     bench: &Bench<'_>,
+    whole: &Whole<'_>,
     held: &[usize],
     warm: &Warm,
     named: &[Vec<usize>],
@@ -140,6 +160,19 @@ fn fold(
         .filter(|k| !held.contains(k))
         .collect();
     let subset = Subset::new(bench, kept);
+    if named.is_empty() {
+        // Nothing is named, nothing is gained: only the law's own error is asked for.
+        let law = law_alone(bench, &subset, Some(warm))?.fitted;
+        let prediction = whole.prediction(&law);
+        return Some(Fold {
+            held: held.to_vec(),
+            extended: prediction.clone(),
+            law: prediction,
+            searched: law.prediction,
+            lacking: Vec::new(),
+            placebos: Vec::new(),
+        });
+    }
     let own = select(bench, &subset, Depth::Fold, Some(warm))?;
     let full = &own.stand.fitted;
     let lacking = named
@@ -149,7 +182,7 @@ fn fold(
             let mut rest = full.effects.clone();
             rest.remove(k);
             if rest.is_empty() {
-                return Some(own.baseline.fitted.prediction.clone());
+                return Some(whole.prediction(&own.baseline.fitted));
             }
             let context = subset.context_of(bench, full);
             let whitener = own
@@ -158,7 +191,7 @@ fn fold(
                 .with_scatter(&context, own.stand.sizes.scatter);
             bench
                 .fit(&subset, &rest, &without(full, k), &whitener, None, 12)
-                .map(|fit| fit.prediction)
+                .map(|fit| whole.prediction(&fit))
         })
         .collect();
     let base = &own.baseline;
@@ -185,8 +218,9 @@ fn fold(
         .collect();
     Some(Fold {
         held: held.to_vec(),
-        law: base.fitted.prediction.clone(),
-        extended: full.prediction.clone(),
+        law: whole.prediction(&base.fitted),
+        extended: whole.prediction(full),
+        searched: base.fitted.prediction.clone(),
         lacking,
         placebos,
     })

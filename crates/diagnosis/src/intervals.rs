@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::answer::Estimate;
-use crate::bench::{Bench, Stand, Subset};
+use crate::bench::{Bench, Fitted, Stand};
 use crate::ground::orthonormal;
 
 /// Covariance of the movable parameters at the likeliest scatter; `None` where the data leave a direction open.
@@ -23,23 +23,22 @@ fn covariance_at(stand: &Stand, scatter: f64) -> Option<DMatrix<f64>> {
     (basis.ncols() == whole.ncols()).then(|| &back * back.transpose())
 }
 
-/// Reported parameters of the k-th effect with their 95 % intervals.
+/// Reported parameters of the k-th effect of a fit with their 95 % intervals, which a stand with the same effects gives.
 pub(crate) fn estimates(
     bench: &Bench<'_>,
-    subset: &Subset,
     stand: &Stand,
+    fitted: &Fitted,
     k: usize,
 ) -> Vec<Estimate> {
-    let span = stand.fitted.model.span(k);
-    let own = &stand.fitted.parameters[span.clone()];
-    let cause = &bench.catalogue[stand.fitted.effects[k]];
+    let span = fitted.model.span(k);
+    let own = &fitted.parameters[span.clone()];
+    let cause = &bench.catalogue[fitted.effects[k]];
     let with = covariance_at(stand, stand.sizes.scatter);
     let without = covariance_at(stand, 0.0);
     let places: Vec<Option<usize>> = span
         .map(|p| stand.columns.iter().position(|&c| c == p))
         .collect();
     let freedom = stand.ground.scatter_freedom().max(1) as f64;
-    let _ = subset;
     cause
         .reported(own)
         .into_iter()

@@ -9,9 +9,10 @@ use crate::bench::{Bench, Subset, gain_matrix, scatter_deviance};
 use crate::floor;
 use crate::samples::Samples;
 use crate::selection::Selected;
+use crate::whole::Whole;
 
 /// Fits of all laws alone, best first; laws that do not go with the campaign are left out.
-pub(crate) fn compare(bench: &Bench<'_>, selected: &Selected) -> Vec<LawFit> {
+pub(crate) fn compare(bench: &Bench<'_>, whole: &Whole<'_>, selected: &Selected) -> Vec<LawFit> {
     let stand = &selected.baseline;
     let subset = Subset::all(bench);
     let context = subset.context_of(bench, &stand.fitted);
@@ -20,8 +21,8 @@ pub(crate) fn compare(bench: &Bench<'_>, selected: &Selected) -> Vec<LawFit> {
     let fits: Vec<Option<(LawKind, f64, f64)>> = LawKind::ALL
         .par_iter()
         .map(|&law| {
-            let prediction = if law == bench.law {
-                stand.fitted.prediction.clone()
+            let fitted = if law == bench.law {
+                stand.fitted.clone()
             } else {
                 let experiment = bench.experiment.clone();
                 Model::new(law, Vec::new(), &experiment).ok()?;
@@ -37,13 +38,14 @@ pub(crate) fn compare(bench: &Bench<'_>, selected: &Selected) -> Vec<LawFit> {
                     masked: bench.masked.clone(),
                     step_n: bench.step_n,
                 };
-                other.law_fit(&subset, &stand.sizes)?.prediction
+                other.law_fit(&subset, &stand.sizes)?
             };
-            let residual = subset.gather(&bench.samples.force) - subset.gather(&prediction);
+            let residual = subset.gather(&bench.samples.force) - subset.gather(&fitted.prediction);
             let deviance = scatter_deviance(&gains, &stand.whitener.whiten(&residual));
             let k = law.parameters().len() as f64 + 1.0;
             let aicc = deviance + 2.0 * k + 2.0 * k * (k + 1.0) / (n - k - 1.0).max(1.0);
-            Some((law, floor::rmse(bench, &prediction, None), aicc))
+            let rmse = floor::rmse(whole.bench, &whole.prediction(&fitted), None);
+            Some((law, rmse, aicc))
         })
         .collect();
     let mut fits: Vec<(LawKind, f64, f64)> = fits

@@ -183,16 +183,40 @@ impl Family<'_> {
     }
 }
 
-/// All of the lowest frequencies (the law absorbs some), then every sixteenth.
+/// Knots above the lowest frequencies, at most.
+const MOST_KNOTS: usize = 64;
+
+/// All of the lowest frequencies (the law absorbs some), then every sixteenth, or as many as [`MOST_KNOTS`] leave.
 fn knots(count: usize) -> Vec<usize> {
     let mut out: Vec<usize> = (0..count.min(12)).collect();
     let mut i = 12;
     while i < count {
         out.push(i);
-        i += 16;
+        i += 16.max(count.div_ceil(MOST_KNOTS));
     }
     if out.last() != Some(&(count - 1)) {
         out.push(count - 1);
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn variances_are_evaluated_at_a_bounded_number_of_frequencies() {
+        for count in [3, 13, 540, 1024, 1025, 3960, 4000] {
+            let knots = knots(count);
+            assert!(
+                knots.len() <= 12 + MOST_KNOTS + 1,
+                "{count}: {}",
+                knots.len()
+            );
+            assert_eq!((knots[0], knots[knots.len() - 1]), (0, count - 1));
+            assert!(knots.windows(2).all(|w| w[0] < w[1]));
+        }
+        // records of ordinary length: every sixteenth
+        assert_eq!(knots(540)[12..15], [12, 28, 44]);
+    }
 }

@@ -29,6 +29,8 @@ pub(crate) struct Samples {
     pub(crate) temperature: Option<Vec<f64>>,
     /// Whether every run has a load (then results are coefficients).
     pub(crate) loaded: bool,
+    /// Root of the number of recorded samples that a row stands for, where it stands for several.
+    pub(crate) weight: Option<Vec<f64>>,
 }
 
 impl Samples {
@@ -53,6 +55,7 @@ impl Samples {
                 .all(|r| r.temperature_c.is_some())
                 .then(Vec::new),
             loaded,
+            weight: None,
         };
         for (k, run) in campaign.runs.iter().enumerate() {
             let start = out.time.len();
@@ -124,6 +127,7 @@ impl Samples {
             force: pick(&self.force),
             temperature: self.temperature.as_deref().map(pick),
             loaded: self.loaded,
+            weight: self.weight.as_deref().map(pick),
         }
     }
 }

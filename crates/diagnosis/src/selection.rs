@@ -82,8 +82,15 @@ fn likely_scatter(stand: &Stand) -> f64 {
     stand.ground.likeliest_scatter()
 }
 
-/// Law alone and its noise.
+/// Law alone, its noise, and what is seen beside it.
 fn baseline(bench: &Bench<'_>, subset: &Subset, warm: Option<&Warm>) -> Option<(Stand, Scan)> {
+    let stand = law_alone(bench, subset, warm)?;
+    let found = scan(bench, subset, &stand, likely_scatter(&stand));
+    Some((stand, found))
+}
+
+/// Law alone and its noise.
+pub(crate) fn law_alone(bench: &Bench<'_>, subset: &Subset, warm: Option<&Warm>) -> Option<Stand> {
     let first_sizes = warm.map_or_else(|| bench.first_sizes(), |w| w.sizes);
     let mut fitted = match warm {
         None => bench.law_fit(subset, &first_sizes)?,
@@ -109,8 +116,7 @@ fn baseline(bench: &Bench<'_>, subset: &Subset, warm: Option<&Warm>) -> Option<(
         fitted = refit(bench, subset, &fitted, &sizes)?;
         stand = Stand::new(bench, subset, fitted.clone(), sizes);
     }
-    let found = scan(bench, subset, &stand, likely_scatter(&stand));
-    Some((stand, found))
+    Some(stand)
 }
 
 /// The same model fitted again under other sizes of the noise.

@@ -48,6 +48,12 @@ pub enum IntegrationError {
         /// Where it stopped, s.
         time_s: f64,
     },
+    /// The steps that the record's length allows are used up: the answer rings or chatters far faster than it is sampled.
+    #[error("too many steps: the state changes far faster than the record at t = {time_s} s")]
+    TooManySteps {
+        /// Where it stopped, s.
+        time_s: f64,
+    },
 }
 
 /// Knots of a record: indices between which `velocity` is linear within `tolerance` (same unit), ends included.

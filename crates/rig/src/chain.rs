@@ -170,6 +170,7 @@ impl<D: ChainScalar> Pass<'_, D> {
                 factor: factor.as_deref(),
                 coupling,
                 initial,
+                steps_a_sample: self.model.steps_a_sample,
             };
             force = match done.corded(run.twin).filter(|_| factor.is_none()) {
                 Some(same) => same.to_vec(),
@@ -276,6 +277,7 @@ impl<D: ChainScalar> Pass<'_, D> {
             factor: factor.as_deref(),
             coupling: held.coupling.real(),
             initial: held.initial.value(),
+            steps_a_sample: held.steps_a_sample,
         })?;
         Ok(values.into_iter().map(D::constant).collect())
     }

@@ -24,7 +24,15 @@ use crate::factorised::Factorised;
 const TOLERANCE: f64 = 4e-6;
 const NEWTON_TOLERANCE: f64 = 1e-8;
 const NEWTON_LIMIT: usize = 10;
+const DESCENT_LIMIT: usize = 15;
+/// Share of a Newton step below which it is taken even where the residual does not fall.
+const SHORTEST: f64 = 0.02;
 const SMALLEST: f64 = 1e-7;
+/// Steps that a run may take for each of its samples, unless the model says otherwise. A smooth answer takes about one; stick-slip
+/// far faster than the record takes a hundred, and its price must not grow without bound.
+pub(crate) const STEPS_A_SAMPLE: usize = 200;
+/// Steps that any run may take.
+const STEPS_AT_LEAST: usize = 2_000;
 
 /// What holds the specimen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,6 +74,8 @@ pub(crate) struct Corded<'a, D> {
     pub(crate) factor: Option<&'a [D]>,
     pub(crate) coupling: Coupling<D>,
     pub(crate) initial: D,
+    /// Steps allowed for each sample.
+    pub(crate) steps_a_sample: usize,
 }
 
 /// State: deflection, elastic tension, speed of the specimen.
@@ -233,6 +243,8 @@ struct Solver<'a, D> {
     /// Sizes of z and q against which errors count.
     size: [f64; 2],
     step: f64,
+    /// Steps that are left.
+    left: usize,
     /// Last step: its size and its stages, for the predictor.
     previous: Option<(f64, State<f64>, [State<f64>; 3])>,
 }
@@ -253,6 +265,7 @@ pub(crate) fn tension<D: Scalar>(held: &Corded<'_, D>) -> Result<Vec<D>, Integra
             friction.max(1e-300),
         ],
         step: f64::INFINITY,
+        left: (held.steps_a_sample * record.time_s.len()).max(STEPS_AT_LEAST),
         previous: None,
     };
     let weight = |i: usize| match held.factor {
@@ -339,6 +352,10 @@ impl<D: Scalar> Solver<'_, D> {
         let now = Instant::at(&self.law, stretch, t, y);
         let (rates, slopes) = (now.rhs(y, &self.coupling), now.jacobian(&self.coupling));
         loop {
+            if self.left == 0 {
+                return Err(IntegrationError::TooManySteps { time_s: t });
+            }
+            self.left -= 1;
             let allowed = self.step.max(smallest);
             let h = if t + allowed * 1.000_001 >= stretch.t1 {
                 stretch.t1 - t
@@ -421,6 +438,73 @@ impl<D: Scalar> Solver<'_, D> {
     ) -> Option<([State<f64>; 3], Factorised<6>)> {
         self.iterate(stretch, t, h, y, self.predict(h, y))
             .or_else(|| self.iterate(stretch, t, h, y, [*y; 3]))
+            .or_else(|| self.descend(stretch, t, h, y))
+    }
+
+    /// Newton's iteration with its steps cut until the residual falls. A static law sticks by a sign that turns within a small
+    /// share of the speed: whole steps leap from side to side of it.
+    fn descend(
+        &self,
+        stretch: &Stretch<f64>,
+        t: f64,
+        h: f64,
+        y: &State<f64>,
+    ) -> Option<([State<f64>; 3], Factorised<6>)> {
+        let weigh = |r: &[f64; 6]| -> f64 {
+            let part = |i: usize| (r[i] / self.size[i / 3]).powi(2);
+            (0..6).map(part).sum::<f64>()
+        };
+        let mut at = [y[0], y[0], y[0], y[1], y[1], y[1]];
+        let (mut instants, mut r) = self.balance(stretch, t, h, y, &at);
+        for _ in 0..DESCENT_LIMIT {
+            let factorised = Factorised::new(newton_matrix(&self.coupling, h, &instants))?;
+            let change = factorised.solve(&r);
+            let now = weigh(&r);
+            let mut share = 1.0;
+            let largest = loop {
+                let next: [f64; 6] = std::array::from_fn(|i| at[i] - share * change[i]);
+                let (there, left) = self.balance(stretch, t, h, y, &next);
+                if weigh(&left) < now || share < SHORTEST {
+                    (at, instants, r) = (next, there, left);
+                    let moved = |i: usize| (share * change[i] / self.size[i / 3]).abs();
+                    break (0..6).map(moved).fold(0.0, f64::max);
+                }
+                share *= 0.5;
+            };
+            if !largest.is_finite() || largest > 1e6 {
+                return None;
+            }
+            if share == 1.0 && largest <= NEWTON_TOLERANCE {
+                let (z, q) = ([at[0], at[1], at[2]], [at[3], at[4], at[5]]);
+                return Some((
+                    with_speeds(self.coupling.compliance, h, y, &z, &q),
+                    factorised,
+                ));
+            }
+        }
+        None
+    }
+
+    /// The law at the stages and the residuals there, unknowns being (z_1, z_2, z_3, q_1, q_2, q_3).
+    fn balance(
+        &self,
+        stretch: &Stretch<f64>,
+        t: f64,
+        h: f64,
+        y: &State<f64>,
+        at: &[f64; 6],
+    ) -> ([Instant; 3], [f64; 6]) {
+        let (z, q) = ([at[0], at[1], at[2]], [at[3], at[4], at[5]]);
+        let stages = with_speeds(self.coupling.compliance, h, y, &z, &q);
+        let instants: [Instant; 3] =
+            std::array::from_fn(|i| Instant::at(&self.law, stretch, t + C[i] * h, &stages[i]));
+        let forces = [
+            instants[0].forces(),
+            instants[1].forces(),
+            instants[2].forces(),
+        ];
+        let r = residual(&self.coupling, h, y, &stages, &forces);
+        (instants, r)
     }
 
     fn iterate(
@@ -431,34 +515,23 @@ impl<D: Scalar> Solver<'_, D> {
         y: &State<f64>,
         stages: [State<f64>; 3],
     ) -> Option<([State<f64>; 3], Factorised<6>)> {
-        let compliance = self.coupling.compliance;
-        let pick = |stages: &[State<f64>; 3], k: usize| [stages[0][k], stages[1][k], stages[2][k]];
-        let (mut z, mut q) = (pick(&stages, 0), pick(&stages, 1));
+        let mut at: [f64; 6] = std::array::from_fn(|i| stages[i % 3][i / 3]);
         for _ in 0..NEWTON_LIMIT {
-            let stages = with_speeds(compliance, h, y, &z, &q);
-            let instants: [Instant; 3] =
-                std::array::from_fn(|i| Instant::at(&self.law, stretch, t + C[i] * h, &stages[i]));
-            let forces = [
-                instants[0].forces(),
-                instants[1].forces(),
-                instants[2].forces(),
-            ];
-            let r = residual(&self.coupling, h, y, &stages, &forces);
+            let (instants, r) = self.balance(stretch, t, h, y, &at);
             let factorised = Factorised::new(newton_matrix(&self.coupling, h, &instants))?;
             let change = factorised.solve(&r);
             let mut largest: f64 = 0.0;
-            for i in 0..3 {
-                z[i] -= change[i];
-                q[i] -= change[3 + i];
-                largest = largest
-                    .max((change[i] / self.size[0]).abs())
-                    .max((change[3 + i] / self.size[1]).abs());
+            for i in 0..6 {
+                at[i] -= change[i];
+                largest = largest.max((change[i] / self.size[i / 3]).abs());
             }
             if !largest.is_finite() || largest > 1e6 {
                 return None;
             }
             if largest <= NEWTON_TOLERANCE {
-                return Some((with_speeds(compliance, h, y, &z, &q), factorised));
+                let (z, q) = ([at[0], at[1], at[2]], [at[3], at[4], at[5]]);
+                let stages = with_speeds(self.coupling.compliance, h, y, &z, &q);
+                return Some((stages, factorised));
             }
         }
         None

@@ -47,6 +47,8 @@ pub struct Model {
     placement: CosinePlacement,
     exponent: Option<Exponent<f64>>,
     sign_width: f64,
+    /// Steps that a cord may cost for each sample.
+    pub(crate) steps_a_sample: usize,
 }
 
 /// Width of the regularised sign of static laws, as a share of the campaign's largest speed.
@@ -117,6 +119,7 @@ impl Model {
             placement: CosinePlacement::AllTerms,
             exponent: None,
             sign_width: SIGN_WIDTH_SHARE * experiment.scales.speed_m_s,
+            steps_a_sample: crate::cord::STEPS_A_SAMPLE,
         })
     }
 
@@ -129,6 +132,12 @@ impl Model {
     /// The same model with another exponent of the Stribeck curve as its baseline.
     pub fn with_exponent(mut self, exponent: Exponent<f64>) -> Self {
         self.exponent = Some(exponent);
+        self
+    }
+
+    /// The same model with a cord that may cost fewer steps a sample: a run that takes more is NaN, as one that leaves the numbers.
+    pub fn with_steps_a_sample(mut self, steps: usize) -> Self {
+        self.steps_a_sample = steps;
         self
     }
 

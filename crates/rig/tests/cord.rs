@@ -200,3 +200,22 @@ fn repeats_share_their_mechanics_and_runs_between_them_do_not() {
     assert!(largest(&together[n..2 * n], &other) < 1e-5);
     assert!(largest(&alone, &other) > 1e-2);
 }
+
+#[test]
+fn what_rings_far_faster_than_the_record_is_given_up_at_a_bounded_price() {
+    let t = time(600, 1.0 / 60.0);
+    let v = wave(&t);
+    let experiment =
+        Experiment::new(&campaign(vec![run(&t, v.clone(), Some(LOAD), 1)])).expect("moves");
+    let force = |steps: usize, c: f64| {
+        let spring = Box::new(Spring { mass_kg: 0.2 });
+        let model = Model::new(LawKind::Stribeck, vec![spring], &experiment)
+            .expect("model")
+            .with_steps_a_sample(steps);
+        model.predict(&experiment, &[0.4, 0.6, 0.004, 0.5, c, 0.0])
+    };
+    assert!(force(200, 1e-5).iter().all(|f| f.is_finite()));
+    assert!(force(20, 1e-5).iter().all(|f| f.is_nan()));
+    // a slow cord never comes near the price
+    assert_eq!(force(20, 1e-2), force(200, 1e-2));
+}

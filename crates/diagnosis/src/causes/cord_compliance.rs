@@ -1,10 +1,17 @@
 //! The elastic cord between specimen and sensor: compliance C (m/N), damping d (N s/m), on it the specimen's mass, taken as
 //! its load over standard gravity (the load is the weight; inferred) or, without a load, the rig's moving mass. The mechanics
 //! stand in [`rig::Coupling`].
+//!
+//! A resonance of more than a turn between samples leaves no ringing in the record, so its damping cannot be told and the
+//! ringing need not be computed: from there on the mass is taken as damped critically, the more the faster it is,
+//!
+//! ```text
+//! d + 2 sqrt(m / C) s(w dt / pi),   w = 1 / sqrt(m C),   s = 0 up to 2, 1 from 4 on, smooth between
+//! ```
 
 use friction::{ParameterSpec, Scalar};
 use rig::GRAVITY_M_S2;
-use rig::{Cause, Coupling, Experiment, Place, Reach, Station};
+use rig::{Cause, Coupling, Experiment, Place, Reach, RunMotion, Station};
 
 use super::grids;
 
@@ -83,5 +90,27 @@ impl Cause for CordCompliance {
         // there the derivative is that of the cord alone
         let slack = p[0].value() == 0.0;
         coupling.mass = D::constant(if slack { 0.0 } else { mass });
+        if !slack && mass > 0.0 {
+            coupling.damping += unseen_damping(p[0], mass, mean_step_s(at.run));
+        }
     }
+}
+
+/// Mean time from sample to sample, s.
+fn mean_step_s(run: &RunMotion) -> f64 {
+    (run.time_s[run.len() - 1] - run.time_s[0]) / (run.len() - 1).max(1) as f64
+}
+
+/// Damping of a ringing that samples so far apart cannot show, N s/m.
+fn unseen_damping<D: Scalar>(compliance: D, mass: f64, step_s: f64) -> D {
+    let turns = (compliance * mass).recip().sqrt() * (step_s / std::f64::consts::PI);
+    let over = turns * 0.5 - 1.0;
+    let share = if over.value() <= 0.0 {
+        return D::constant(0.0);
+    } else if over.value() >= 1.0 {
+        D::constant(1.0)
+    } else {
+        over * over * (over * -2.0 + 3.0)
+    };
+    (compliance.recip() * mass).sqrt() * 2.0 * share
 }

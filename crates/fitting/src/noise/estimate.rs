@@ -46,7 +46,7 @@ pub struct NoiseModel {
     pub deviance: f64,
 }
 
-/// The longest slide over the longest correlation length that counts as roughness.
+/// The plate's length over the longest correlation length that counts as roughness.
 const LONGEST_SHARE: f64 = 20.0;
 /// Samples beyond which starts are compared on every other run only.
 const MANY: usize = 40_000;
@@ -188,9 +188,10 @@ impl Frame {
             .iter()
             .map(|r| context.sliding[r.end - 1] - context.sliding[r.start])
             .fold(0.0, f64::max);
-        let span = (hi - lo).max(slid).max(1e-9);
+        // A run that goes back and forth slides far over a short plate: the plate is what counts.
+        let span = if hi > lo { hi - lo } else { slid.max(1e-9) };
         let step = slid / (n / context.runs.len() as f64);
-        // A correlation over more than a twentieth of the longest slide is no roughness but a law that misses the record.
+        // A correlation over more than a twentieth of the plate is no roughness but a law that misses the record.
         let shortest = (0.2 * step).max(span * 1e-4);
         let lengths = (shortest, (span / LONGEST_SHARE).max(2.0 * shortest));
         let bounds = vec![
