@@ -71,7 +71,7 @@ pub(super) fn section(figures: Vec<Block>, values: &[Value], quick: bool) -> Sec
     let lead = "On the compliant contact the best strides reach {{ v(\"gait.best_speed.symmetric\", 4) }} with the symmetric, \
                 {{ v(\"gait.best_speed.asymmetric\", 4) }} with the asymmetric brush and \
                 {{ v(\"gait.best_speed.backwards\", 4) }} with the brush mounted backwards: a gain of \
-                {{ v(\"gait.gain\", 3) }}, where the paper prints {{ published(\"gait.gain\") }} %.";
+                {{ v(\"gait.gain\", 3) }}, where the paper prints {{ published(\"gait.gain\") }}.";
     Section {
         id: "gait".into(),
         title: "Strides of the biped".into(),
