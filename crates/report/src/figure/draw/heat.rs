@@ -12,6 +12,10 @@ use crate::palette::{LEVELS, needs_pale_words};
 
 /// Room for the colour scale.
 const SCALE_ROOM: i32 = 86 * SCALE;
+/// Room for the colour scale's name, above all cells.
+const NAME_ROOM: i32 = 22 * SCALE;
+/// Least height of the cells: an axis' name of thirty letters stands along it.
+const LEAST: i32 = 200 * SCALE;
 
 /// Draws the map into `out`; the height of the sheet comes back.
 pub(super) fn draw(map: &HeatMap, synthetic: bool, out: &mut String) -> Result<i32, String> {
@@ -28,8 +32,8 @@ pub(super) fn draw(map: &HeatMap, synthetic: bool, out: &mut String) -> Result<i
         ));
     }
     let rows = i32::try_from(map.rows.len()).unwrap_or(i32::MAX);
-    let cells = (rows.min(40) * 34 * SCALE).clamp(110 * SCALE, 460 * SCALE);
-    let height = cells + 62 * SCALE + super::stamp_height(synthetic);
+    let cells = (rows.min(40) * 34 * SCALE).clamp(LEAST, 460 * SCALE);
+    let height = cells + 62 * SCALE + NAME_ROOM + super::stamp_height(synthetic);
     let sheet = Sheet::new(out, height);
     let colours = Colours::of(map)?;
     paint(map, &sheet, &colours, synthetic).map_err(|error| error.to_string())?;
@@ -99,7 +103,7 @@ fn paint(map: &HeatMap, sheet: &Sheet<'_>, colours: &Colours, synthetic: bool) -
         sheet,
         rulers,
         (&names.0, &names.1),
-        (super::stamp_height(synthetic), SCALE_ROOM),
+        (super::stamp_height(synthetic) + NAME_ROOM, SCALE_ROOM),
         false,
     )?;
     #[allow(clippy::cast_precision_loss)] // a handful of cells
@@ -164,7 +168,6 @@ fn thinned(names: &[String]) -> Vec<String> {
 fn draw_scale(map: &HeatMap, colours: &Colours, sheet: &Sheet<'_>, frame: &Frame) -> Drawn {
     let [_, top, right, bottom] = frame.edges;
     let (left, width) = (right + 220.0, 140.0);
-    let (top, bottom) = (top + 180.0, bottom);
     let step = (bottom - top) / f64::from(LEVELS + 1);
     for level in 0..=LEVELS {
         let low = bottom - f64::from(level) * step;
@@ -194,7 +197,7 @@ fn draw_scale(map: &HeatMap, colours: &Colours, sheet: &Sheet<'_>, frame: &Frame
     };
     sheet.text(
         &name,
-        [f64::from(super::sheet::WIDTH) - 20.0, top - 110.0],
+        [f64::from(super::sheet::WIDTH) - 20.0, top - 100.0],
         Anchor::Right,
         Paint::Text,
         FONT - 10,
