@@ -1,12 +1,12 @@
 //! Fills and improves a file of strides: every problem of the chapter on the gait, solved from its neighbours until nothing
-//! gets better. The file is read at the start and written with every stride that is found or improved, so the work can be interrupted and resumed;
-//! without a file it begins with chains from cold starts.
+//! gets better, then from farther strides until three starts have found the best. File and list of starts tried (FILE.tried) are
+//! written after every problem, so the work can be interrupted and resumed; without a file it begins with chains from cold starts.
 //!
-//! `cargo run --release -p biped --example explore -- FILE [ROUNDS]`
+//! `cargo run --release -p biped --example explore -- FILE [SECONDS [PARTS]]`; PARTS as in sweep,map
 
 use biped::contact::Ground;
-use biped::gait::book::Book;
-use biped::gait::catalogue::{CONTACT, Mount, Name, WEIGHTS, all};
+use biped::gait::book::{Book, Entry, Looked, Source};
+use biped::gait::catalogue::{CONTACT, Choice, Kind, Mount, Name, WEIGHTS, all};
 use biped::gait::chain::{Case, solve_all};
 use biped::gait::start::Guess;
 use biped::gait::{Contact, Goal, Problem};
@@ -20,9 +20,17 @@ use trajectory::{Options, Start};
 mod sample;
 
 const TARGETS: [f64; 2] = [8.0, 20.0];
-const ABOUT: &str = "Starts of the gait stage, not results: strides of the project's own solver, each improved from its neighbours \
-                     (cargo run --release -p biped --example explore). The stage solves every problem again from them and certifies \
-                     what it reports.";
+/// Steps that a solve may take.
+const STEPS: usize = 80;
+/// Starts that should find a stride.
+const STARTS: usize = 3;
+/// Starts tried at one problem before the next one has its turn.
+const AT_ONCE: usize = 2;
+/// Farthest starts, in steps of the names.
+const FARTHEST: usize = 6;
+const ABOUT: &str = "Starts of the gait stage, not results: strides of the project's own solver (cargo run --release -p biped --example \
+                     explore) and, at first, of CasADi with IPOPT (benches/gait/explore.py), each improved from those of other problems. The \
+                     stage solves every problem again from them and certifies what it reports; found and tried count the starts of that search.";
 
 #[derive(Serialize, Deserialize)]
 struct File {
@@ -48,16 +56,93 @@ struct Search {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).ok_or("which file?")?;
-    let rounds: usize = std::env::args().nth(2).map_or(Ok(20), |n| n.parse())?;
+    let seconds = std::env::args()
+        .nth(2)
+        .map_or(Ok(f64::INFINITY), |n| n.parse())?;
     let clock = Instant::now();
     let options = Options {
-        max_iterations: 80,
+        max_iterations: STEPS,
         ..Options::default()
     };
-    let rows = if Path::new(&path).exists() {
-        serde_json::from_str::<File>(&std::fs::read_to_string(&path)?)?.starts
+    let mut book = open(&path, &options)?;
+    write(&book, &path)?;
+    report(&book, "starts", clock);
+    let wanted = std::env::args().nth(3);
+    let mut order: Vec<usize> = (0..book.entries.len()).collect();
+    order.retain(|&place| {
+        let part = PARTS[part(&book.entries[place].name)];
+        wanted
+            .as_ref()
+            .is_none_or(|list| list.split(',').any(|w| w == part))
+    });
+    order.sort_by_key(|&place| part(&book.entries[place].name));
+    let mut walked = Vec::new();
+    let (mut reach, mut turn) = (1, 0);
+    while reach <= FARTHEST {
+        turn += 1;
+        let (mut tried, mut better) = (0, 0);
+        for &place in &order {
+            if clock.elapsed().as_secs_f64() > seconds {
+                return Ok(());
+            }
+            let entry = &book.entries[place];
+            let enough = entry.is_certified()
+                && entry.outcome.as_ref().is_some_and(|o| o.found_by >= STARTS);
+            if enough && reach > 1 {
+                continue;
+            }
+            let mut looked = book.look(place, reach, AT_ONCE, &options)?;
+            if looked.tried == 0 && !book.entries[place].is_certified() && !walked.contains(&place)
+            {
+                walked.push(place);
+                looked = book.walk(place, &options)?;
+            }
+            if looked.tried > 0 {
+                write(&book, &path)?;
+                say(&book.entries[place], looked, clock);
+            }
+            tried += looked.tried;
+            better += usize::from(looked.better);
+        }
+        report(
+            &book,
+            &format!("turn {turn}, reach {reach}: {tried} tried, {better} better"),
+            clock,
+        );
+        // What got better is news to its neighbours first.
+        reach = match (tried, better) {
+            (0, _) => reach + 1,
+            (_, 0) => reach,
+            _ => 1,
+        };
+    }
+    Ok(())
+}
+
+/// Parts of the work in their order: the halved mesh last, whose solves take longest.
+const PARTS: [&str; 5] = ["sweep", "map", "rigid", "choices", "mesh"];
+
+/// Place in [`PARTS`].
+fn part(name: &Name) -> usize {
+    match (name.kind, name.choice) {
+        (Kind::Compliant, Choice::Own) if (name.k, name.c) == CONTACT => 0,
+        (Kind::Compliant, Choice::Own) => 1,
+        (Kind::Compliant, Choice::FineMesh) => 4,
+        (Kind::Compliant, _) => 3,
+        (Kind::Rigid, _) => 2,
+    }
+}
+
+/// The book of a file: every problem of the chapter, solved again from the strides in the file.
+fn open(path: &str, options: &Options) -> Result<Book, Box<dyn Error>> {
+    let rows = if Path::new(path).exists() {
+        serde_json::from_str::<File>(&std::fs::read_to_string(path)?)?.starts
     } else {
         cold()?
+    };
+    let tried: Vec<(Name, Source)> = match std::fs::read_to_string(tried_path(path)) {
+        Ok(text) => serde_json::from_str(&text)?,
+        Err(_) => Vec::new(),
     };
     let biped = sample::biped();
     let mut book = Book::default();
@@ -66,7 +151,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let starts = own.map(|row| Start::cold(row.x.clone())).collect();
         (name, name.problem(&biped, sample::brush()), starts)
     });
-    book.add(named.collect(), &options)?;
+    book.add(named.collect(), options)?;
     for entry in &mut book.entries {
         // A stride of the file, solved again, is no further start: its count goes on.
         let row = rows.iter().find(|row| row.name == entry.name);
@@ -74,58 +159,49 @@ fn main() -> Result<(), Box<dyn Error>> {
         {
             (outcome.found_by, outcome.tried) = (search.found, search.tried);
         }
+        let own = tried.iter().filter(|(name, _)| *name == entry.name);
+        entry.tried = own.map(|&(_, source)| source).collect();
     }
-    write(&book, &path)?;
-    report(&book, "starts", 0, clock);
-    // Gaps first, so that every problem soon has a stride to start its neighbours from.
-    let mut filling = true;
-    for round in 1..=rounds {
-        let names: Vec<Name> = if filling {
-            book.gaps().collect()
-        } else {
-            book.entries.iter().map(|entry| entry.name).collect()
-        };
-        let mut better = 0;
-        for name in names {
-            // One problem at a time: the next one starts from what this one found.
-            let found = book.cross_seed(|other| *other == name, &options)?;
-            if found > 0 {
-                write(&book, &path)?;
-            }
-            better += found;
-        }
-        report(&book, &format!("round {round}"), better, clock);
-        match (better, filling) {
-            (0, false) => break,
-            (0, true) => filling = false,
-            _ => {}
-        }
-    }
-    for entry in &book.entries {
-        let Some(o) = &entry.outcome else { continue };
-        println!(
-            "{:?}: {:?} cost {:.8} speed {:.4} found by {} of {}",
-            entry.name, o.status, o.cost, o.motion.speed_m_s, o.found_by, o.tried
-        );
-    }
-    Ok(())
+    Ok(book)
 }
 
-fn report(book: &Book, what: &str, better: usize, clock: Instant) {
-    let strides = book.entries.iter().filter_map(|e| e.outcome.as_ref());
-    let certified = strides.clone().filter(|o| o.is_certified()).count();
-    let thrice = strides.filter(|o| o.found_by >= 3).count();
+/// Beside the file: which starts were tried, so that a search that is resumed counts none twice.
+fn tried_path(path: &str) -> String {
+    format!("{path}.tried")
+}
+
+fn say(entry: &Entry, looked: Looked, clock: Instant) {
+    let Some(o) = &entry.outcome else { return };
     println!(
-        "{what}: {better} better, {certified} of {} certified, {thrice} found by three starts, {:.0?}",
+        "{:?}: {} tried{}; {:?} cost {:.8} speed {:.4} found by {} of {}, {:.0?}",
+        entry.name,
+        looked.tried,
+        if looked.better { ", better" } else { "" },
+        o.status,
+        o.cost,
+        o.motion.speed_m_s,
+        o.found_by,
+        o.tried,
+        clock.elapsed()
+    );
+}
+
+fn report(book: &Book, what: &str, clock: Instant) {
+    let certified = book.entries.iter().filter(|e| e.is_certified()).count();
+    let strides = book.entries.iter().filter_map(|e| e.outcome.as_ref());
+    let found = strides.filter(|o| o.is_certified() && o.found_by >= STARTS);
+    println!(
+        "{what}; {certified} of {} certified, {} found by {STARTS} starts, {:.0?}",
         book.entries.len(),
+        found.count(),
         clock.elapsed()
     );
 }
 
 fn write(book: &Book, path: &str) -> Result<(), Box<dyn Error>> {
     let mut lines = Vec::new();
-    for entry in &book.entries {
-        let Some(outcome) = entry.outcome.as_ref().filter(|o| o.is_certified()) else {
+    for entry in book.entries.iter().filter(|e| e.is_certified()) {
+        let Some(outcome) = &entry.outcome else {
             continue;
         };
         // Six digits are enough for a start.
@@ -143,6 +219,17 @@ fn write(book: &Book, path: &str) -> Result<(), Box<dyn Error>> {
         "{{\"about\":{about},\n\"starts\":[\n{}\n]}}\n",
         lines.join(",\n")
     );
+    replace(path, &text)?;
+    let tried: Vec<(Name, Source)> = book
+        .entries
+        .iter()
+        .flat_map(|entry| entry.tried.iter().map(|&source| (entry.name, source)))
+        .collect();
+    replace(&tried_path(path), &serde_json::to_string(&tried)?)
+}
+
+/// Whole or not at all.
+fn replace(path: &str, text: &str) -> Result<(), Box<dyn Error>> {
     let part = format!("{path}.part");
     std::fs::write(&part, text)?;
     Ok(std::fs::rename(part, path)?)

@@ -7,11 +7,11 @@
 //! condition of the subproblem holds:
 //!
 //! ```text
-//! J_A d = b_A,   inactive limits kept,   multipliers of the right sign,   Zᵀ H_α Z ≻ 0
+//! J_A d = b_A,   inactive limits kept,   multipliers of the right sign,   Zᵀ (H + δI) Z ≻ 0
 //! ```
 //!
-//! Such a step *is* the minimiser of the subproblem with the Hessian `H_α`, whose
-//! share α of the clipping is as small as the inertia allows. If a few rounds do
+//! Such a step *is* the minimiser of the subproblem with the Hessian `H + δI`, whose
+//! shift δ is about as small as the inertia allows (`Shift`). If a few rounds do
 //! not settle it, Clarabel is asked again.
 
 use crate::iterate::Iterate;
@@ -19,34 +19,65 @@ use crate::model::Structure;
 use crate::newton::{ActiveSet, Limits, NewtonStep, NewtonSystem};
 use crate::pattern::max_abs;
 
-/// Longer steps (scaled variables) are left to the subproblem: scales make variables of order one, and an active set says
-/// nothing about points several of its own sizes away. A bound, not a trust region: the merit function judges shorter steps.
-const REACH: f64 = 3.0;
+/// Longer steps (scaled variables) are never believed: scales make variables of order one, and an active set says
+/// nothing about points several of its own sizes away.
+const FARTHEST: f64 = 3.0;
+/// The reach does not fall below this.
+const NEAREST: f64 = 0.05;
 /// Most rounds of exchange.
 const ROUNDS: usize = 8;
 /// With more exchanges than this after the first round the set is not nearly right.
 const NEARLY: usize = 40;
-/// Smallest share of the clipping after none.
-const FIRST_SHARE: f64 = 0.02;
-/// Growth of the share.
-const GROWTH: f64 = 4.0;
+/// Most shifts tried at one point.
+const SHIFTS: usize = 10;
 /// Slack with which limits and signs are judged (scaled).
 const SLACK: f64 = 1e-9;
 
-/// The exact Hessian and what full clipping would add to it.
-pub(crate) struct Hessians<'a> {
-    pub exact: &'a [f64],
-    pub clipping: &'a [f64],
+/// The shift δ of the Hessian's diagonal that makes its reduced form positive definite.
+///
+/// None is tried first at every point; then a third of the last one that was needed, then larger ones by a
+/// constant factor (Wächter and Biegler, Mathematical Programming 106, 2006, algorithm IC, whose numbers these are).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shift {
+    last: f64,
+    reach: f64,
 }
 
-impl Hessians<'_> {
-    /// H + α (H₊ − H).
-    fn blend(&self, share: f64) -> Vec<f64> {
-        self.exact
-            .iter()
-            .zip(self.clipping)
-            .map(|(h, c)| h + share * c)
-            .collect()
+impl Default for Shift {
+    fn default() -> Self {
+        Self {
+            last: 0.0,
+            reach: FARTHEST,
+        }
+    }
+}
+
+impl Shift {
+    const FIRST: f64 = 1e-4;
+    const LEAST: f64 = 1e-8;
+    const LARGEST: f64 = 1e8;
+    const FALL: f64 = 1.0 / 3.0;
+    const GROWTH: f64 = 8.0;
+    const FIRST_GROWTH: f64 = 100.0;
+
+    /// The line search accepted the share `alpha` of a step of this length.
+    pub(crate) fn learn(&mut self, alpha: f64, length: f64) {
+        if alpha < 0.3 {
+            self.reach = (2.0 * alpha * length).max(NEAREST);
+        } else if alpha >= 0.9 {
+            self.reach = (2.0 * self.reach).min(FARTHEST);
+        }
+    }
+
+    /// What to try after `failed`; `None` if even the largest did not do.
+    fn next(self, failed: f64) -> Option<f64> {
+        let next = match (failed == 0.0, self.last == 0.0) {
+            (true, true) => Self::FIRST,
+            (true, false) => (Self::FALL * self.last).max(Self::LEAST),
+            (false, true) => Self::FIRST_GROWTH * failed,
+            (false, false) => Self::GROWTH * failed,
+        };
+        (next <= Self::LARGEST).then_some(next)
     }
 }
 
@@ -55,39 +86,65 @@ pub(crate) struct Settled {
     pub step: NewtonStep,
     pub active: ActiveSet,
     pub hessian: Vec<f64>,
-    pub share: f64,
 }
 
 /// Revises `active` until Newton's step on it solves the subproblem.
+///
+/// A step that leaves the set's neighbourhood (too long, too many exchanges, or not settled in a few rounds) is tried
+/// again from the same set with a larger shift, which shortens it.
 pub(crate) fn settle(
     s: &Structure,
     newton: &mut NewtonSystem,
-    hessians: &Hessians<'_>,
+    exact: &[f64],
+    at: &Iterate,
+    active: &ActiveSet,
+    limits: &Limits,
+    shift: &mut Shift,
+) -> Option<Settled> {
+    let mut delta = 0.0;
+    for _ in 0..SHIFTS {
+        let mut hessian = exact.to_vec();
+        s.hessian.add_to_diagonal(&mut hessian, delta);
+        if let Some((step, active)) = exchanges(
+            s,
+            newton,
+            &hessian,
+            at,
+            active.clone(),
+            limits.clone(),
+            shift.reach,
+        ) {
+            if delta > 0.0 {
+                shift.last = delta;
+            }
+            return Some(Settled {
+                step,
+                active,
+                hessian,
+            });
+        }
+        delta = shift.next(delta)?;
+    }
+    None
+}
+
+/// Rounds of exchange with one Hessian; `None` if they do not settle.
+fn exchanges(
+    s: &Structure,
+    newton: &mut NewtonSystem,
+    hessian: &[f64],
     at: &Iterate,
     mut active: ActiveSet,
     mut limits: Limits,
-    mut share: f64,
-) -> Option<Settled> {
-    let mut hessian = hessians.blend(share);
+    reach: f64,
+) -> Option<(NewtonStep, ActiveSet)> {
     for round in 0..ROUNDS {
-        let step = newton.step(s, &hessian, at, &active, &limits)?;
-        if !step.positive_definite || max_abs(&step.d) > REACH {
-            if share >= 1.0 {
-                return None;
-            }
-            share = (GROWTH * share).clamp(FIRST_SHARE, 1.0);
-            hessian = hessians.blend(share);
-            continue;
+        let step = newton.step(s, hessian, at, &active, &limits)?;
+        if !step.positive_definite || max_abs(&step.d) > reach {
+            return None;
         }
         match exchange(s, at, &step, &mut active, &mut limits) {
-            0 => {
-                return Some(Settled {
-                    step,
-                    active,
-                    hessian,
-                    share,
-                });
-            }
+            0 => return Some((step, active)),
             many if round == 0 && many > NEARLY => return None,
             _ => {}
         }

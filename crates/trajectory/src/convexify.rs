@@ -76,15 +76,13 @@ pub(crate) fn assemble(structure: &Structure, groups: &[Vec<f64>], values: &mut 
     }
 }
 
-/// Scatters the groups, made convex, into the Hessian's pattern; `clipping` gets
-/// what clipping alone adds to the exact Hessian.
+/// Scatters the groups, made convex, into the Hessian's pattern.
 pub(crate) fn assemble_convex(
     structure: &Structure,
     groups: &[Vec<f64>],
     jacobian: &[f64],
     settings: Convexification,
     values: &mut [f64],
-    clipping: &mut [f64],
 ) -> Convexity {
     let Convexification {
         model,
@@ -92,7 +90,6 @@ pub(crate) fn assemble_convex(
         weight,
     } = settings;
     values.fill(0.0);
-    clipping.fill(0.0);
     let mut convexity = Convexity {
         smallest: f64::INFINITY,
         changed: 0,
@@ -139,13 +136,10 @@ pub(crate) fn assemble_convex(
             |i, j| dense[i * n + j] + added[(i, j)],
             values,
         );
-        scatter(&group.slots, n, |i, j| added[(i, j)], clipping);
     }
     // A small multiple of the identity keeps directions without any curvature
     // from making the subproblem's minimiser a set.
-    for c in 0..structure.hessian.columns {
-        values[structure.hessian.starts[c + 1] - 1] += floor;
-    }
+    structure.hessian.add_to_diagonal(values, floor);
     convexity
 }
 

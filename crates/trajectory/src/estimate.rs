@@ -12,7 +12,7 @@ use crate::model::Structure;
 use crate::newton::{ActiveSet, NewtonSystem};
 use crate::pattern::max_abs;
 
-/// Larger estimates say more about the start than about the solution.
+/// Estimates larger than this share of the gradient say more about the start than about the solution.
 const LARGEST: f64 = 1e3;
 
 /// Least-squares multipliers of the rows at a point, or zeros.
@@ -58,5 +58,6 @@ pub(crate) fn least_squares_multipliers(
             y[r] = 0.0;
         }
     }
-    if max_abs(&y) > LARGEST { zeros } else { y }
+    let largest = LARGEST * max_abs(&at.gradient).max(1.0);
+    if max_abs(&y) > largest { zeros } else { y }
 }

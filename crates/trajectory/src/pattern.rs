@@ -58,6 +58,14 @@ impl Pattern {
         })
     }
 
+    /// Adds `shift` to every entry of the diagonal, of a symmetric matrix whose upper triangle is stored and
+    /// whose diagonal is in the pattern: it closes every column.
+    pub(crate) fn add_to_diagonal(&self, values: &mut [f64], shift: f64) {
+        for c in 0..self.columns {
+            values[self.starts[c + 1] - 1] += shift;
+        }
+    }
+
     /// `out += Aᵀ y`.
     pub(crate) fn add_transposed_product(&self, values: &[f64], y: &[f64], out: &mut [f64]) {
         for c in 0..self.columns {

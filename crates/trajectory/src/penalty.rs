@@ -10,26 +10,28 @@
 /// Share of the violation's fall that the model's fall must reach.
 const SHARE: f64 = 0.3;
 
-/// A penalty that never falls during one solve, save for one reset when the
-/// violation has vanished and ρ is out of all proportion to the multipliers.
+/// Below this share of the present penalty the needed one lets it fall.
+const EXCESSIVE: f64 = 0.1;
+
+/// The penalty ρ ≥ 1. It rises at once to what a step asks for and falls by half where a step asks for far less: one
+/// subproblem with huge multipliers must not hold the rest of the solve to the curved rows.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Penalty(pub f64);
 
 impl Penalty {
-    /// Raises ρ so that the step is a descent direction.
+    /// Sets ρ so that the step is a descent direction.
     ///
-    /// `model` is gᵀd + ½ max(0, dᵀHd); `relief` is v − v_lin ≥ 0; `multiplier`
-    /// the largest row multiplier of the step.
-    pub(crate) fn update(&mut self, model: f64, relief: f64, multiplier: f64) {
+    /// `model` is gᵀd + ½ max(0, dᵀHd); `relief` is v − v_lin ≥ 0. Without relief nothing is asked: the step descends
+    /// whatever ρ is, and ρ at the size of the largest multiplier, though an exact penalty, would hold the search to
+    /// steps as short as the rows are curved.
+    pub(crate) fn update(&mut self, model: f64, relief: f64) {
         if relief > 1e-14 {
             let needed = model / ((1.0 - SHARE) * relief);
             if needed > self.0 {
                 self.0 = 1.5 * needed;
+            } else if needed < EXCESSIVE * self.0 {
+                self.0 = (0.5 * self.0).max(1.0);
             }
-        } else if multiplier > self.0 {
-            // On the feasible manifold the rule above says nothing; an exact
-            // penalty must exceed the largest multiplier.
-            self.0 = 1.5 * multiplier;
         }
     }
 }

@@ -11,8 +11,9 @@ use crate::newton::Limits;
 use crate::proposal::Proposer;
 use crate::solution::Counters;
 
-/// Largest number of polishing steps.
-const STEPS: usize = 8;
+/// Largest number of polishing steps. A strict minimum takes three or four; towards a minimum that is flat to fourth order the
+/// error falls by some 0.3 a step, and only close to it does the vanishing curvature show.
+const STEPS: usize = 24;
 /// No step is taken below this optimality error.
 const FINISHED: f64 = 1e-13;
 

@@ -6,7 +6,7 @@
 //! the subproblem with the exact Hessian. It is therefore tried first on the
 //! active set that Clarabel found last, and again on each new one.
 
-use crate::active_set::{self, Hessians, Settled};
+use crate::active_set::{self, Settled, Shift};
 use crate::convexify::{self, Convexification, Convexity};
 use crate::damping::Damping;
 use crate::elastic::{self, ElasticStep};
@@ -19,12 +19,6 @@ use crate::qp::{QpData, QpStep, Subproblem};
 use crate::solution::{Counters, StepKind};
 use crate::{HessianModel, Options, Status};
 use clarabel::solver::SolverStatus;
-
-/// Share of the clipping that is tried first after a failure, at least and at most.
-const FIRST_GUESS: f64 = 0.05;
-const LAST_GUESS: f64 = 0.5;
-/// A share of the clipping below this is dropped.
-const LEAST_SHARE: f64 = 1e-2;
 
 /// A step with multipliers.
 #[derive(Clone, Debug)]
@@ -49,9 +43,7 @@ pub(crate) struct Proposer<'e> {
     groups: Vec<Vec<f64>>,
     pub hessian: Vec<f64>,
     convex: Vec<f64>,
-    clipping: Vec<f64>,
-    /// Share of the clipping that Newton's step starts with.
-    share: f64,
+    pub shift: Shift,
     pub damping: Damping,
     pub active: Option<ActiveSet>,
     pub convexity: Convexity,
@@ -70,8 +62,7 @@ impl<'e> Proposer<'e> {
             groups: vec![Vec::new(); s.groups.len()],
             hessian: vec![0.0; s.hessian.len()],
             convex: vec![0.0; s.hessian.len()],
-            clipping: vec![0.0; s.hessian.len()],
-            share: 0.0,
+            shift: Shift::default(),
             damping: Damping::default(),
             active: None,
             convexity: Convexity {
@@ -119,7 +110,6 @@ impl<'e> Proposer<'e> {
             &at.jacobian,
             settings,
             &mut self.convex,
-            &mut self.clipping,
         );
         self.convex_is_current = true;
     }
@@ -143,38 +133,22 @@ impl<'e> Proposer<'e> {
         limits: Limits,
         counters: &mut Counters,
     ) -> Option<Proposal> {
-        self.refresh_convex(at, counters);
         let s = self.s();
-        let hessians = Hessians {
-            exact: &self.hessian,
-            clipping: &self.clipping,
-        };
         let settled = active_set::settle(
             s,
             &mut self.newton,
-            &hessians,
+            &self.hessian,
             at,
-            active,
-            limits,
-            self.share,
+            &active,
+            &limits,
+            &mut self.shift,
         );
         counters.factorisations = self.newton.factorisations;
-        let Some(Settled {
+        let Settled {
             step,
             active,
             hessian,
-            share,
-        }) = settled
-        else {
-            // Too long a step or too many exchanges: start with more of the clipping next time.
-            self.share = (2.0 * self.share).clamp(FIRST_GUESS, LAST_GUESS);
-            return None;
-        };
-        self.share = if share > LEAST_SHARE {
-            0.5 * share
-        } else {
-            0.0
-        };
+        } = settled?;
         self.active = Some(active);
         let curvature = s.hessian.quadratic_form(&hessian, &step.d);
         Some(Proposal {
@@ -287,10 +261,9 @@ impl<'e> Proposer<'e> {
     fn damped_hessian(&self) -> Vec<f64> {
         let mut hessian = self.convex.clone();
         if self.damping.0 > 0.0 {
-            let pattern = &self.s().hessian;
-            for c in 0..pattern.columns {
-                hessian[pattern.starts[c + 1] - 1] += self.damping.0;
-            }
+            self.s()
+                .hessian
+                .add_to_diagonal(&mut hessian, self.damping.0);
         }
         hessian
     }

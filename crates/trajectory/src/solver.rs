@@ -24,8 +24,6 @@ use std::collections::VecDeque;
 const SHORTEST: f64 = 1e-8;
 /// Newton's step and a first subproblem step shorter than this give way to another source.
 const IMPATIENT: f64 = 0.05;
-/// Multipliers that grow by more than this in one step are not believed.
-const EXCESS: f64 = 20.0;
 /// A cost below this is taken for unbounded (scaled).
 const BOTTOMLESS: f64 = -1e15;
 
@@ -180,18 +178,6 @@ impl<'e> Run<'e> {
             &mut self.counters,
         )?;
         let missed = self.at.violation(self.e) > self.options.feasibility;
-        let known = max_abs(&self.at.y).max(penalty).max(10.0);
-        if missed && proposal.kind == StepKind::Subproblem && max_abs(&proposal.y) > EXCESS * known
-        {
-            // Nearly contradicting rows show in their multipliers before they show in the status.
-            if let Ok(elastic) = self
-                .proposer
-                .elastic_step(&self.at, known, &mut self.counters)
-                && self.search(&elastic, IMPATIENT)
-            {
-                return Ok(());
-            }
-        }
         if self.search(&proposal, IMPATIENT) {
             return Ok(());
         }
@@ -230,7 +216,7 @@ impl<'e> Run<'e> {
         let (slope, model, relief) = model_change(s, &self.at, proposal);
         let before = self.penalty;
         self.penalty.0 = self.penalty.0.max(proposal.penalty);
-        self.penalty.update(model, relief, max_abs(&proposal.y));
+        self.penalty.update(model, relief);
         let violation = self.at.violation(self.e);
         let merit = Merit {
             value: self.reference(self.at.cost, violation),
@@ -353,7 +339,9 @@ impl<'e> Run<'e> {
         if self.memory.len() > self.options.memory {
             self.memory.pop_front();
         }
-        if proposal.kind != StepKind::Newton {
+        if proposal.kind == StepKind::Newton {
+            self.proposer.shift.learn(alpha, max_abs(&proposal.d));
+        } else {
             self.proposer.damping.learn(alpha);
         }
         self.counters.newton_steps += usize::from(kind == StepKind::Newton);

@@ -1,13 +1,22 @@
 //! A book of strides: named problems with the best stride found for each, improved from each other.
 //!
-//! In every round each problem is solved from the strides of its neighbours that are new since it last
-//! looked; the cheapest certified stride stays. The book is complete when a round changes nothing.
+//! A problem is solved from the strides of other problems, the nearest by name first; the cheapest certified stride stays, and
+//! how many starts ended in it is counted. A start is the stride of another problem: it is tried once, and again only
+//! when that problem has found a better stride. The book is complete when nothing is left to try.
 
 use super::Problem;
-use super::catalogue::Name;
+use super::catalogue::{Kind, Name};
 use super::chain::{Case, Outcome, solve_all};
 use super::refine::on_mesh;
 use trajectory::{Options, ProgrammeError, Start};
+
+/// Costs closer than this, relative, are those of one stride.
+const SAME_COST: f64 = 1e-6;
+/// Shortest part of a way between two contacts that is tried in one step.
+const SHORTEST_PART: f64 = 1.0 / 16.0;
+
+/// A start that a problem was solved from: whose stride it was, and its cost.
+pub type Source = (Name, f64);
 
 /// A named problem and what is known about it.
 #[derive(Clone, Debug)]
@@ -18,10 +27,45 @@ pub struct Entry {
     pub problem: Problem,
     /// The best stride so far.
     pub outcome: Option<Outcome>,
-    /// Round in which the best stride was found.
-    changed: usize,
-    /// Round in which this problem was last solved from its neighbours.
-    looked: Option<usize>,
+    /// Starts that it was solved from.
+    pub tried: Vec<Source>,
+}
+
+impl Entry {
+    /// Whether its best stride carries a certificate.
+    pub fn is_certified(&self) -> bool {
+        self.outcome.as_ref().is_some_and(Outcome::is_certified)
+    }
+
+    fn has_tried(&self, (name, cost): Source) -> bool {
+        let same = |known: f64| (known - cost).abs() <= SAME_COST * cost.abs();
+        self.tried
+            .iter()
+            .any(|&(known, at)| known == name && same(at))
+    }
+
+    /// Merges a find; whether it is better than what stood here.
+    fn take(&mut self, found: Outcome) -> bool {
+        let (better, merged) = match self.outcome.take() {
+            Some(before) => {
+                let (status, cost) = (before.status, before.cost);
+                let merged = before.merged(found);
+                (merged.status != status || merged.cost != cost, merged)
+            }
+            None => (true, found),
+        };
+        self.outcome = Some(merged);
+        better
+    }
+}
+
+/// What a look at the other strides brought.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Looked {
+    /// Starts tried.
+    pub tried: usize,
+    /// Whether the problem has a better stride now, or its first.
+    pub better: bool,
 }
 
 /// The book.
@@ -29,7 +73,6 @@ pub struct Entry {
 pub struct Book {
     /// Its entries, in the order in which they were added.
     pub entries: Vec<Entry>,
-    round: usize,
 }
 
 impl Book {
@@ -55,81 +98,127 @@ impl Book {
                 name,
                 problem,
                 outcome,
-                changed: self.round,
-                looked: None,
+                tried: Vec::new(),
             });
         }
         Ok(())
     }
 
-    /// One round: the problems that `wanted` takes are solved from the strides of their neighbours that are
-    /// new to them. Returns how many strides became better (or were found for the first time).
+    /// Solves the problem at `place` from the nearest strides that are new to it: at most `most`, at most `reach` steps
+    /// of the names away.
     ///
     /// # Errors
     /// As [`Book::add`].
-    pub fn cross_seed(
+    pub fn look(
         &mut self,
-        wanted: impl Fn(&Name) -> bool,
+        place: usize,
+        reach: usize,
+        most: usize,
         options: &Options,
-    ) -> Result<usize, ProgrammeError> {
-        let cases: Vec<Case> = self
+    ) -> Result<Looked, ProgrammeError> {
+        let (sources, starts): (Vec<Source>, Vec<Start>) =
+            self.starts(place, reach).into_iter().take(most).unzip();
+        if starts.is_empty() {
+            return Ok(Looked::default());
+        }
+        let tried = starts.len();
+        let problem = self.entries[place].problem;
+        let found = solve_all(&[Case { problem, starts }], options)?
+            .pop()
+            .flatten();
+        let entry = &mut self.entries[place];
+        entry.tried.extend(sources);
+        let better = found.is_some_and(|outcome| entry.take(outcome));
+        Ok(Looked { tried, better })
+    }
+
+    /// Walks to the contact of the problem at `place` from the nearest certified stride of another stiffness or loss, in
+    /// parts of the way that are halved where one ends without a certificate. For problems that one whole step does not reach.
+    ///
+    /// # Errors
+    /// As [`Book::add`].
+    pub fn walk(&mut self, place: usize, options: &Options) -> Result<Looked, ProgrammeError> {
+        let name = self.entries[place].name;
+        let beside = |e: &&Entry| {
+            let alike = Name {
+                k: e.name.k,
+                c: e.name.c,
+                ..name
+            };
+            name.kind == Kind::Compliant && e.name == alike && e.name.is_beside(&name)
+        };
+        let mut looked = Looked::default();
+        let from: Vec<(Name, Problem, Start)> = self
             .entries
             .iter()
-            .map(|entry| Case {
-                problem: entry.problem,
-                starts: if wanted(&entry.name) {
-                    self.starts(entry)
-                } else {
-                    Vec::new()
-                },
-            })
+            .filter(beside)
+            .filter(|e| e.is_certified())
+            .filter_map(|e| Some((e.name, e.problem, e.outcome.as_ref()?.start())))
             .collect();
-        let outcomes = solve_all(&cases, options)?;
-        self.round += 1;
-        let mut better = 0;
-        for ((entry, outcome), case) in self.entries.iter_mut().zip(outcomes).zip(&cases) {
-            if !case.starts.is_empty() {
-                entry.looked = Some(self.round);
-            }
-            let Some(outcome) = outcome else { continue };
-            let merged = match entry.outcome.take() {
-                Some(before) => {
-                    let (status, cost) = (before.status, before.cost);
-                    let merged = before.merged(outcome);
-                    (merged.status != status || merged.cost != cost, merged)
+        for (other, problem, mut start) in from {
+            let (mut way, mut part) = (0.0, 0.5);
+            while part >= SHORTEST_PART {
+                let to = if way + part >= 1.0 {
+                    self.entries[place].problem
+                } else {
+                    let ground = name.between(&other, 1.0 - way - part);
+                    Problem {
+                        contact: ground.contact(),
+                        ..problem
+                    }
+                };
+                let case = Case {
+                    problem: to,
+                    starts: vec![start.clone()],
+                };
+                looked.tried += 1;
+                let found = solve_all(&[case], options)?.pop().flatten();
+                let Some(found) = found.filter(Outcome::is_certified) else {
+                    part /= 2.0;
+                    continue;
+                };
+                way += part;
+                if way >= 1.0 {
+                    looked.better |= self.entries[place].take(found);
+                    break;
                 }
-                None => (true, outcome),
-            };
-            if merged.0 {
-                entry.changed = self.round;
-                better += 1;
+                start = found.start();
+                part = (2.0 * part).min(1.0 - way);
             }
-            entry.outcome = Some(merged.1);
         }
-        Ok(better)
+        Ok(looked)
     }
 
     /// Problems without a certified stride.
     pub fn gaps(&self) -> impl Iterator<Item = Name> {
-        let open = |e: &&Entry| e.outcome.as_ref().is_none_or(|o| !o.is_certified());
+        let open = |e: &&Entry| !e.is_certified();
         self.entries.iter().filter(open).map(|e| e.name)
     }
 
-    /// The certified strides of the neighbours of an entry that it has not started from yet.
-    fn starts(&self, entry: &Entry) -> Vec<Start> {
+    /// The certified strides within `reach` of an entry that it has not started from yet, the nearest first.
+    fn starts(&self, place: usize, reach: usize) -> Vec<(Source, Start)> {
+        let entry = &self.entries[place];
         let mesh = entry.problem.mesh;
-        self.entries
+        let mut near: Vec<(usize, Source, &Outcome)> = self
+            .entries
             .iter()
-            .filter(|other| other.name.is_beside(&entry.name))
-            .filter(|other| entry.looked.is_none_or(|looked| other.changed >= looked))
-            .filter_map(|other| other.outcome.as_ref())
-            .filter(|outcome| outcome.is_certified())
-            .map(|outcome| {
-                if outcome.problem.mesh == mesh {
+            .filter(|other| other.name != entry.name && other.is_certified())
+            .filter_map(|other| {
+                let outcome = other.outcome.as_ref()?;
+                let steps = other.name.steps_apart(&entry.name)?;
+                Some((steps, (other.name, outcome.cost), outcome))
+            })
+            .filter(|&(steps, source, _)| steps <= reach && !entry.has_tried(source))
+            .collect();
+        near.sort_by_key(|&(steps, ..)| steps);
+        near.into_iter()
+            .map(|(_, source, outcome)| {
+                let start = if outcome.problem.mesh == mesh {
                     outcome.start()
                 } else {
                     Start::cold(on_mesh(&outcome.problem, &outcome.x, mesh))
-                }
+                };
+                (source, start)
             })
             .collect()
     }

@@ -225,20 +225,33 @@ impl Name {
         }
     }
 
-    /// The problem of this name for a machine and its brush.
-    pub fn problem(&self, biped: &Biped, brush: Brush) -> Problem {
-        let contact = match self.kind {
+    /// The contact of this name.
+    pub(super) fn contact(&self) -> Contact {
+        match self.kind {
             Kind::Rigid => Contact::Rigid(Touchdown::Impact),
             Kind::Compliant => Contact::Compliant(Ground {
                 stiffness_n_m15: self.k,
                 loss_s_m: self.c,
                 slip_scale_m_s: self.choice.slip_scale_m_s(),
             }),
-        };
+        }
+    }
+
+    /// This name with a contact that lies `part` of the way towards that of another: stiffness by ratio, loss by difference.
+    pub(super) fn between(self, other: &Self, part: f64) -> Self {
+        Self {
+            k: self.k * (other.k / self.k).powf(part),
+            c: self.c + part * (other.c - self.c),
+            ..self
+        }
+    }
+
+    /// The problem of this name for a machine and its brush.
+    pub fn problem(&self, biped: &Biped, brush: Brush) -> Problem {
         Problem {
             biped: *biped,
             brush: self.brush.brush(brush),
-            contact,
+            contact: self.contact(),
             goal: Goal::Speed {
                 weight: self.weight,
                 aim_m_s: self.aim,
@@ -251,6 +264,11 @@ impl Name {
 
     /// Do two names differ in one choice, by one step of its list?
     pub fn is_beside(&self, other: &Self) -> bool {
+        self.steps_apart(other) == Some(1)
+    }
+
+    /// Steps between two names, summed over their choices; none between two kinds of contact.
+    pub fn steps_apart(&self, other: &Self) -> Option<usize> {
         let apart = |list: &[f64], a: f64, b: f64| {
             let place = |x: f64| list.iter().position(|&y| y == x);
             match (place(a), place(b)) {
@@ -269,7 +287,7 @@ impl Name {
             + usize::from(self.aim != other.aim)
             + usize::from(self.brush != other.brush)
             + choice;
-        self.kind == other.kind && steps == 1
+        (self.kind == other.kind).then_some(steps)
     }
 }
 

@@ -44,12 +44,12 @@ pub(super) fn section(figures: Vec<Block>, values: &[Value], quick: bool) -> Sec
         "Cost function, contact stiffness and loss, limits of posture and phases: all of them are this project's choices, and \
          the speeds are theirs as much as the machine's. Local minima dominate: a better one than those found may exist. The \
          starts ship with the project (strides of an independent optimiser on the same problems and of the project's own solver, \
-         each improved from its neighbours); every problem is solved again from them here.",
+         each improved from those of other problems); every problem is solved again from them here.",
     ));
     if has(values, "gait.search.recorded") {
         blocks.push(Block::prose(
             "The search that made the starts ended in {{ n(\"gait.search.thrice\") }} of \
-             {{ n(\"gait.search.recorded\") }} recorded strides from at least three starts (strides of different neighbours); the table of \
+             {{ n(\"gait.search.recorded\") }} recorded strides from at least three starts (strides of other problems); the table of \
              strides names the count of each.",
         ));
     }
