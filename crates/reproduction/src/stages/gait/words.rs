@@ -31,12 +31,19 @@ pub(super) fn section(figures: Vec<Block>, values: &[Value], quick: bool) -> Sec
         ));
     }
     if has(values, "gait.map.cells") {
-        blocks.push(Block::prose(
-            "Over contact stiffness and loss the gain runs from {{ v(\"gait.map.smallest\", 3) }} to \
-             {{ v(\"gait.map.largest\", 3) }} in {{ n(\"gait.map.cells\") }} cells in which both strides are certified; in \
-             {{ n(\"gait.map.disordered\") }} of them the order backwards, symmetric, asymmetric is broken, which with local minima \
-             says that a better stride of one of the three has not been found.",
-        ));
+        let ordered = values
+            .iter()
+            .any(|value| value.id == "gait.map.disordered" && value.value == Some(0.0));
+        let order = if ordered {
+            "every cell with all three strides keeps the order backwards, symmetric, asymmetric."
+        } else {
+            "in {{ n(\"gait.map.disordered\") }} of them the order backwards, symmetric, asymmetric is broken, which with local minima \
+             says that a better stride of one of the three has not been found."
+        };
+        blocks.push(Block::prose(format!(
+            "Over contact stiffness and loss the gain runs from {{{{ v(\"gait.map.smallest\", 3) }}}} to \
+             {{{{ v(\"gait.map.largest\", 3) }}}} in {{{{ n(\"gait.map.cells\") }}}} cells in which both strides are certified; {order}"
+        )));
     }
     blocks.push(Block::notice(
         NoticeKind::Caution,
