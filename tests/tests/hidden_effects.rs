@@ -138,6 +138,8 @@ fn nothing_is_found_where_nothing_is() {
         (Protocol::PaperBlocked, NoiseKind::WideScatter),
         (Protocol::Rich, NoiseKind::Usual),
         (Protocol::Speeds, NoiseKind::PlateRoughness),
+        // Here inertia is in the record too, which neither roughness nor scatter multiplies.
+        (Protocol::Drive, NoiseKind::WideScatter),
     ]
     .into_iter()
     .enumerate()

@@ -5,7 +5,9 @@
 //! that the record itself suggests, under the noise that a healthy rig would have, and the best of them are compared by
 //! their likelihoods, each with the noise that its own residual shows.
 
-use fitting::noise::Whitener;
+use std::sync::OnceLock;
+
+use fitting::noise::{Sizes, Whitener};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -20,8 +22,13 @@ const STRONG: f64 = 12.0;
 const LAW_STARTS: usize = 20;
 /// Sizes and shapes of each cause that are tried with each start of the law.
 const OWN_STARTS: usize = 6;
-/// Starts of each cause that are fitted roughly.
-const ROUGH: usize = 3;
+/// Fits of each cause from its best starts, and steps of each.
+const ROUGH: (usize, u64) = (3, 15);
+/// The same where the mechanics are dear, and how many of the law's starts are tried there.
+const DEAR: (usize, u64) = (2, 8);
+const DEAR_LAWS: usize = 3;
+/// Sizes and shapes of each cause that are tried beside such mechanics.
+const BESIDE_DEAR: usize = 2;
 /// Causes whose fits are carried to their end and compared under their own noise.
 const FINISHED: usize = 4;
 
@@ -58,7 +65,16 @@ pub(crate) fn afresh(
     warm: Option<&Warm>,
 ) -> Vec<(usize, Stand)> {
     let whitener = healthy_noise(bench, subset);
-    let laws = law_starts(bench, subset, stand, &whitener, warm);
+    let suggested = match warm {
+        Some(warm) => vec![warm.extended_law.clone()],
+        None => bench.law_starts(&stand.fitted.model),
+    };
+    let laws = law_starts(bench, subset, stand, &whitener, suggested);
+    let stiff = match warm {
+        Some(_) => Vec::new(),
+        None => law_starts(bench, subset, stand, &whitener, bench.stiff_law_starts()),
+    };
+    let beside_dear = stand.fitted.effects.iter().any(|&e| is_dear(bench, e));
     let candidates: Vec<(usize, Vec<Vec<f64>>)> = found
         .candidates
         .iter()
@@ -70,7 +86,27 @@ pub(crate) fn afresh(
     let mut rough: Vec<(usize, Fitted)> = candidates
         .par_iter()
         .filter_map(|(cause, own)| {
-            let fit = rough_fit(bench, subset, stand, *cause, own, &laws, &whitener)?;
+            let fit = if beside_dear {
+                // Beside a cord that was fitted already the law has come right.
+                let own = &own[..own.len().min(BESIDE_DEAR)];
+                rough_fit(
+                    bench,
+                    subset,
+                    stand,
+                    *cause,
+                    own,
+                    &[&stand.fitted],
+                    &whitener,
+                    DEAR,
+                )?
+            } else if is_dear(bench, *cause) {
+                // What is elastic may all be in the cord: then the contact is stiff.
+                let laws: Vec<&Fitted> = laws.iter().take(DEAR_LAWS).chain(&stiff).collect();
+                rough_fit(bench, subset, stand, *cause, own, &laws, &whitener, DEAR)?
+            } else {
+                let laws: Vec<&Fitted> = laws.iter().collect();
+                rough_fit(bench, subset, stand, *cause, own, &laws, &whitener, ROUGH)?
+            };
             Some((*cause, fit))
         })
         .collect();
@@ -85,7 +121,7 @@ pub(crate) fn afresh(
     });
     // The whole campaign's noise is near a fold's; without one the law alone's says nothing.
     let blank = found.with_sizes(warm.map(|w| w.sizes));
-    let mut stands: Vec<(usize, Stand)> = rough
+    let stands: Vec<(usize, Stand)> = rough
         .par_iter()
         .filter_map(|(cause, fit)| {
             let limit = if is_dear(bench, *cause) { 20 } else { 60 };
@@ -100,17 +136,34 @@ pub(crate) fn afresh(
             Some((*cause, settle(bench, subset, &fit, &blank)?))
         })
         .collect();
-    stands.sort_by(|a, b| {
-        let worth = |s: &(usize, Stand)| s.1.deviance + search_price(bench, s.0);
-        worth(a).total_cmp(&worth(b)).then(a.0.cmp(&b.0))
-    });
-    stands
+    let worth = likeliest(bench, subset, &stands);
+    let mut ranked: Vec<(f64, (usize, Stand))> = worth.into_iter().zip(stands).collect();
+    ranked.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.0.cmp(&b.1.0)));
+    ranked.into_iter().map(|(_, stand)| stand).collect()
 }
 
-/// Whitening by the noise of a healthy rig: no residual has been looked at.
+/// -2 log likelihood of each stand, parameters paid for, under whichever of the stands' noises suits it best. A stand's own noise
+/// leaves out what further causes could explain, and then makes much of a remainder that a worse fit's noise swallows.
+fn likeliest(bench: &Bench<'_>, subset: &Subset, stands: &[(usize, Stand)]) -> Vec<f64> {
+    let under = |stand: &Stand, other: &Stand| {
+        Stand::new(bench, subset, stand.fitted.clone(), other.sizes).deviance
+    };
+    let each = stands.par_iter().map(|(cause, stand)| {
+        let others = stands.iter().map(|(_, other)| under(stand, other));
+        others.fold(stand.deviance, f64::min) + search_price(bench, *cause)
+    });
+    each.collect()
+}
+
+/// Whitening by the noise of a healthy rig: no residual has been looked at. The record itself stands for its friction, so a gain
+/// free for each run would forgive a law without any friction; roughness along the run does not.
 fn healthy_noise(bench: &Bench<'_>, subset: &Subset) -> Whitener {
     let context = subset.context(bench, &bench.crude_scale());
-    Whitener::new(&context, &bench.first_sizes())
+    let sizes = Sizes {
+        scatter: 0.0,
+        ..bench.first_sizes()
+    };
+    Whitener::new(&context, &sizes)
 }
 
 /// Parameters of the stand's model: where it stands, and its law at starts that the record suggests.
@@ -119,15 +172,11 @@ fn law_starts(
     subset: &Subset,
     stand: &Stand,
     whitener: &Whitener,
-    warm: Option<&Warm>,
+    suggested: Vec<Vec<f64>>,
 ) -> Vec<Fitted> {
     let model = &stand.fitted.model;
     let count = model.law_parameters();
     let measured = subset.gather(&bench.experiment.measured_n);
-    let suggested = match warm {
-        Some(warm) => vec![warm.extended_law.clone()],
-        None => bench.law_starts(model),
-    };
     let mut starts: Vec<Fitted> = suggested
         .into_iter()
         .filter_map(|law| {
@@ -143,6 +192,7 @@ fn law_starts(
                 prediction,
                 cost,
                 converged: false,
+                friction: OnceLock::new(),
             })
         })
         .collect();
@@ -184,16 +234,11 @@ fn rough_fit(
     stand: &Stand,
     cause: usize,
     own: &[Vec<f64>],
-    laws: &[Fitted],
+    laws: &[&Fitted],
     whitener: &Whitener,
+    (fits, limit): (usize, u64),
 ) -> Option<Fitted> {
-    let dear = is_dear(bench, cause);
     let measured = subset.gather(&bench.experiment.measured_n);
-    let (laws, own, fits, limit) = if dear {
-        (&laws[..laws.len().min(3)], &own[..own.len().min(2)], 1, 8)
-    } else {
-        (laws, own, ROUGH, 15)
-    };
     let mut tried: Vec<(f64, usize, Vec<f64>)> = Vec::new();
     for (place, law) in laws.iter().enumerate() {
         let mut starts = Vec::with_capacity(own.len());

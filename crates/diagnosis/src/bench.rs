@@ -1,6 +1,7 @@
 //! The bench: one campaign with its law and catalogue, fits of a law with effects, and the noise beneath them.
 
 use std::ops::Range;
+use std::sync::OnceLock;
 
 use campaign::Campaign;
 use fitting::noise::{Context, EstimateOptions, NoiseModel, Ring, Sizes, Whitener, estimate};
@@ -161,13 +162,14 @@ impl Subset {
             place: pick(&bench.samples.place),
             scale: self.gather(scale).as_slice().to_vec(),
             ring: Vec::new(),
+            rows: bench.samples.averaged_at(&self.rows),
         }
     }
 
     /// The noise's context beside a fit: on a cord roughness reaches the record through the cord's resonance, which averaged
     /// samples do not show.
     pub(crate) fn context_of(&self, bench: &Bench<'_>, fitted: &Fitted) -> Context {
-        let mut context = self.context(bench, &fitted.prediction);
+        let mut context = self.context(bench, fitted.friction(bench));
         if self.weight.is_some() {
             return context;
         }
@@ -216,6 +218,16 @@ pub(crate) struct Fitted {
     /// 1/2 |W r|^2 at the end of the fit.
     pub(crate) cost: f64,
     pub(crate) converged: bool,
+    /// See [`Fitted::friction`].
+    pub(crate) friction: OnceLock<Vec<f64>>,
+}
+
+impl Fitted {
+    /// The part of the prediction that follows friction, stacked over all runs; computed when it is first asked for.
+    pub(crate) fn friction(&self, bench: &Bench<'_>) -> &[f64] {
+        self.friction
+            .get_or_init(|| self.model.friction(&bench.experiment, &self.parameters))
+    }
 }
 
 /// Steps of a cord for each row of a condensed record: what rings faster is not in the rows.
@@ -405,6 +417,7 @@ impl<'a> Bench<'a> {
             converged: fit.status.converged(),
             parameters: fit.parameters,
             model,
+            friction: OnceLock::new(),
         })
     }
 
@@ -412,6 +425,7 @@ impl<'a> Bench<'a> {
     pub(crate) fn condensed<'c>(&self, short: &'c Condensed) -> Bench<'c> {
         let mut samples = Samples::new(&short.campaign);
         samples.weight = Some(short.weight.clone());
+        samples.averaged = short.averaged();
         let mut experiment = Experiment::new(&short.campaign).expect("what moves goes on moving");
         for (run, own) in experiment.runs.iter_mut().zip(&self.experiment.runs) {
             run.started_s = own.started_s;
@@ -473,6 +487,19 @@ impl<'a> Bench<'a> {
                 starts
             }
         }
+    }
+
+    /// Starts of a law that does nearly without a stretch before sliding: where something else on the rig is elastic, the record
+    /// shows that instead.
+    pub(crate) fn stiff_law_starts(&self) -> Vec<Vec<f64>> {
+        /// Share of the stretch that is left to the contact.
+        const LEFT: f64 = 0.1;
+        if self.prior.is_some() {
+            return Vec::new();
+        }
+        let mut features = identification::features(self.campaign);
+        features.half_way *= LEFT;
+        identification::starts(self.law, &features, self.experiment.height_m, None)
     }
 
     /// The law alone, from the starts that the record suggests (or from the model file).

@@ -1,18 +1,23 @@
 //! Long records: neighbouring samples are averaged for the search wherever the record between them is straight.
 //!
 //! A row stands for m samples and carries the weight sqrt(m): the weighted mean is an orthonormal projection, so white noise
-//! keeps its standard deviation a sample, and roughness, which is longer than a row, keeps its own. The law is
-//! evaluated at a row's mean time, speed and load, which is the mean of the law over the row where both run straight. The
+//! keeps its standard deviation a sample; roughness, which may be shorter than a row, is averaged as the noise model knows
+//! ([`fitting::noise::Averaged`]). The law is
+//! evaluated at a row's mean time, speed and load, which is the mean of the law over the row where both run straight; what is
+//! left between the two at a fit is taken off the rows ([`Bench::allow_for`]), so that it does not look like an effect. The
 //! tolerance on the deviation from straight lines is the smallest that brings the record down to [`ROWS`] rows. Starts and
 //! reversals bend most and stay as they were recorded; a rest or a steady slide collapses. First and last samples of a run
 //! always stand for themselves. Runs of one motion are divided alike.
 
 use campaign::{Campaign, Run};
 
+use fitting::noise::Averaged;
+
+use crate::bench::{Bench, Fitted};
 use crate::samples::Samples;
 
 /// Records up to this many samples are searched as they are.
-const LONGEST: usize = 12_000;
+const LONGEST: usize = 24_000;
 /// Rows of a condensed record, at most.
 pub(crate) const ROWS: usize = 3_000;
 /// A row is never longer than this many times the mean row.
@@ -26,6 +31,8 @@ pub(crate) struct Condensed {
     pub(crate) campaign: Campaign,
     /// Root of the number of samples behind each row.
     pub(crate) weight: Vec<f64>,
+    /// Distance slid between neighbouring samples of each row, m.
+    step: Vec<f64>,
     /// Rows with a sample that says nothing.
     pub(crate) masked: Vec<bool>,
     /// Largest root mean square deviation from a straight line within a row, of the largest speed and of the force's own
@@ -34,6 +41,27 @@ pub(crate) struct Condensed {
 }
 
 impl Condensed {
+    /// What each row is the mean of.
+    pub(crate) fn averaged(&self) -> Vec<Averaged> {
+        let rows = self.weight.iter().zip(&self.step);
+        rows.map(|(w, &step)| Averaged {
+            samples: (w * w).round(),
+            step,
+        })
+        .collect()
+    }
+
+    /// Means over the rows of a series of all samples.
+    pub(crate) fn means(&self, all: &[f64]) -> Vec<f64> {
+        let mut at = 0;
+        let mean = |w: &f64| {
+            let from = at;
+            at += (w * w).round() as usize;
+            all[from..at].iter().sum::<f64>() / (at - from) as f64
+        };
+        self.weight.iter().map(mean).collect()
+    }
+
     /// What the reader should know.
     pub(crate) fn note(&self, samples: &Samples) -> String {
         format!(
@@ -62,6 +90,7 @@ pub(crate) fn condense(
     let mut out = Condensed {
         campaign: campaign.clone(),
         weight: Vec::new(),
+        step: Vec::new(),
         masked: Vec::new(),
         tolerance,
     };
@@ -70,12 +99,33 @@ pub(crate) fn condense(
         let rows = trees[k].rows(tolerance);
         for row in &rows {
             out.weight.push((row.len() as f64).sqrt());
+            let slid = &samples.sliding[range.start + row.start..range.start + row.end];
+            out.step
+                .push((slid[row.len() - 1] - slid[0]) / (row.len() - 1).max(1) as f64);
             let hidden = masked[range.start + row.start..range.start + row.end].iter();
             out.masked.push(hidden.into_iter().any(|m| *m));
         }
         average(run, samples, range, &rows);
     }
     Some(out)
+}
+
+impl Bench<'_> {
+    /// Takes what a fit says of the rows' samples less what it says of the rows off what was recorded; `all` is what it says of
+    /// all samples. How much that changed since the last time comes back, as the largest share of the force's root mean square.
+    pub(crate) fn allow_for(&mut self, short: &Condensed, fitted: &Fitted, all: &[f64]) -> f64 {
+        let recorded = short.campaign.runs.iter().flat_map(|run| &run.force_n);
+        let power = recorded.clone().map(|f| f * f).sum::<f64>() / self.samples.len() as f64;
+        let means = short.means(all);
+        let mut moved = 0.0_f64;
+        for (i, force) in recorded.enumerate() {
+            let allowed = force - (means[i] - fitted.prediction[i]);
+            moved = moved.max((allowed - self.samples.force[i]).abs());
+            self.samples.force[i] = allowed;
+            self.experiment.measured_n[i] = allowed;
+        }
+        moved / power.sqrt().max(f64::MIN_POSITIVE)
+    }
 }
 
 /// Means over rows in the place of samples.
@@ -286,6 +336,41 @@ mod tests {
             assert_eq!([short.weight[at], short.weight[end - 1]], [1.0, 1.0]);
             at = end;
         }
+    }
+
+    /// With what rows make of a fit taken off, a row misses the fit by the mean of what its samples miss it by.
+    #[test]
+    fn a_fit_misses_a_row_as_it_misses_its_samples() {
+        let campaign = refined(10);
+        let (samples, short) = condensed(&campaign);
+        let short = short.expect("36,000 samples are many");
+        let options = crate::Options::default();
+        let recorded = crate::diagnose::bench(&campaign, &options).expect("a shipped campaign");
+        let mut rows = recorded.condensed(&short);
+        let law = [0.5, 0.62, 1.5, 0.1, 0.01, 1.5, -0.3];
+        let fitted = |bench: &Bench<'_>| {
+            let model = bench.model(&[]).expect("a bristle campaign");
+            Fitted {
+                effects: Vec::new(),
+                prediction: model.predict(&bench.experiment, &law),
+                parameters: law.to_vec(),
+                model,
+                cost: 0.0,
+                converged: true,
+                friction: std::sync::OnceLock::new(),
+            }
+        };
+        let (all, few) = (fitted(&recorded), fitted(&rows));
+        assert!(rows.allow_for(&short, &few, &all.prediction) > 0.0);
+        let missed: Vec<f64> = (samples.force.iter().zip(&all.prediction))
+            .map(|(measured, predicted)| measured - predicted)
+            .collect();
+        for (i, mean) in short.means(&missed).iter().enumerate() {
+            let row = rows.experiment.measured_n[i] - few.prediction[i];
+            assert!((row - mean).abs() < 1e-12, "row {i}: {row} against {mean}");
+        }
+        // The second time nothing is left to allow for.
+        assert_eq!(rows.allow_for(&short, &few, &all.prediction), 0.0);
     }
 
     /// The record is what the law says, so that the two bend at the same places.

@@ -2,6 +2,8 @@
 //!
 //! Nothing of the recorded forces is read: they are replaced by a nominal friction before anything is computed.
 
+use std::sync::OnceLock;
+
 use campaign::{Campaign, InitialState};
 use fitting::noise::Sizes;
 
@@ -84,6 +86,7 @@ pub fn design(campaign: &Campaign, options: &Options) -> Result<Design, Diagnosi
         prediction,
         cost: 0.0,
         converged: true,
+        friction: OnceLock::new(),
     };
     let stand = Stand::new(&bench, &subset, fitted, sizes);
     let found = scan_nominal(&bench, &subset, &stand, sizes.scatter);

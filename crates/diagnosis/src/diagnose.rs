@@ -10,7 +10,7 @@ use crate::answer::{
 };
 use crate::bench::{Bench, Fitted, Prior, Stand, Subset};
 use crate::causes;
-use crate::condense::condense;
+use crate::condense::{Condensed, condense};
 use crate::equivalence::{Contest, contest};
 use crate::excerpt::Excerpt;
 use crate::experiment::{Hypothesis, propose};
@@ -22,10 +22,17 @@ use crate::laws;
 use crate::probability::weight_of_set;
 use crate::refusal::refuse_beaten;
 use crate::samples::Samples;
-use crate::selection::{ALPHA_GENERAL, ALPHA_NAME, Depth, SHAPE_TOLERANCE, Selected, select};
+use crate::selection::{
+    ALPHA_GENERAL, ALPHA_NAME, Depth, SHAPE_TOLERANCE, Selected, law_alone, select,
+};
 use crate::tail::equivalent_z;
 use crate::ties;
-use crate::whole::Whole;
+use crate::whole::{Whole, of_all_samples};
+
+/// Selections on a condensed record after the first, each with the rows' errors at what the last one named.
+const SECOND_LOOKS: usize = 2;
+/// Rows' errors that changed by less than this share of the force are the same.
+const ROWS_AGREE: f64 = 1e-3;
 
 /// What the reader asks.
 #[derive(Clone, Debug, Default)]
@@ -229,11 +236,15 @@ pub fn diagnose_fully(
         excerpt.place(all, &mut recorded.experiment);
     }
     let condensed = condense(campaign, &recorded.samples, &recorded.masked);
-    let short = condensed.as_ref().map(|c| recorded.condensed(c));
+    let mut short = condensed.as_ref().map(|c| recorded.condensed(c));
+    let no_fit = DiagnosisError::NoFit(recorded.law.id());
+    let mut selected = match (&condensed, &mut short) {
+        (Some(rows), Some(short)) => select_on_rows(&recorded, rows, short),
+        _ => select(&recorded, &Subset::all(&recorded), Depth::Full, None),
+    }
+    .ok_or(no_fit)?;
     let bench = short.as_ref().unwrap_or(&recorded);
     let subset = Subset::all(bench);
-    let mut selected =
-        select(bench, &subset, Depth::Full, None).ok_or(DiagnosisError::NoFit(bench.law.id()))?;
     let integrity = inspect(campaign, selected.stand.sizes.sensor);
     let mut contests: Vec<Contest> = (0..selected.stand.fitted.effects.len())
         .filter_map(|k| contest(bench, &subset, &selected.stand, &selected.first, k))
@@ -262,6 +273,36 @@ pub fn diagnose_fully(
         plain,
         curves,
     })
+}
+
+/// The selection on the rows of a condensed record. What rows make of the law, and then of the named causes, is taken off first:
+/// the error of a law at a row's middle is the same in every run and would be named.
+fn select_on_rows(
+    recorded: &Bench<'_>,
+    rows: &Condensed,
+    short: &mut Bench<'_>,
+) -> Option<Selected> {
+    let subset = Subset::all(short);
+    let allow = |short: &mut Bench<'_>, fitted: &Fitted| {
+        let all = of_all_samples(recorded, fitted).prediction;
+        short.allow_for(rows, fitted, &all)
+    };
+    let law = law_alone(short, &subset, None)?.fitted;
+    allow(short, &law);
+    let mut selected = select(short, &subset, Depth::Full, None)?;
+    for _ in 0..SECOND_LOOKS {
+        let named = selected.stand.fitted.effects.clone();
+        let moved = allow(short, &selected.stand.fitted);
+        if moved < ROWS_AGREE {
+            break;
+        }
+        let warm = selected.warm();
+        selected = select(short, &subset, Depth::Full, Some(&warm))?;
+        if selected.stand.fitted.effects == named {
+            break;
+        }
+    }
+    Some(selected)
 }
 
 /// Gain by folds, experiments, ties of the design and the other laws.

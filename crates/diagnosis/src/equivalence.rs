@@ -11,6 +11,8 @@
 //! A rival with D_r below 4.7 (d' sqrt(1 - cos^2) < 4.7: two hypotheses told apart in 99 % of cases, 27 causes
 //! compared) belongs to the set. The rivals near it are also fitted to the data in the cause's place.
 
+use std::sync::OnceLock;
+
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -84,6 +86,7 @@ pub(crate) fn contest(
         prediction,
         cost: f64::INFINITY,
         converged: full.converged,
+        friction: OnceLock::new(),
     };
     let beside = Stand::new(bench, subset, bare, stand.sizes);
     // A rival that imitates the effect would have scored beside the law alone nearly as well as the cause itself.

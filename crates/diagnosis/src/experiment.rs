@@ -73,7 +73,7 @@ fn distance(
     let old = bench.samples.len();
     longer.runs.extend(candidate.runs.iter().cloned());
     let experiment = Experiment::new(&longer).ok()?;
-    let predict = |h: &Hypothesis<'_>| -> Option<Vec<f64>> {
+    let predict = |h: &Hypothesis<'_>| -> Option<[Vec<f64>; 2]> {
         let effects = h
             .effects
             .iter()
@@ -82,15 +82,19 @@ fn distance(
         let model = Model::new(bench.law, effects, &experiment).ok()?;
         let mut p = h.parameters.to_vec();
         p.resize(model.parameters().len(), 0.0);
-        Some(model.predict(&experiment, &p)[old..].to_vec())
+        Some([
+            model.predict(&experiment, &p)[old..].to_vec(),
+            model.friction(&experiment, &p)[old..].to_vec(),
+        ])
     };
-    let (x, y) = (predict(a)?, predict(b)?);
+    let ([x, friction], [y, _]) = (predict(a)?, predict(b)?);
     let mut context = Context {
         runs: Vec::new(),
         sliding: Vec::new(),
         place: Vec::new(),
-        scale: x.clone(),
+        scale: friction,
         ring: Vec::new(),
+        rows: Vec::new(),
     };
     for run in &experiment.runs[bench.samples.runs.len()..] {
         let start = context.sliding.len();

@@ -100,17 +100,7 @@ pub(crate) fn judge(
         return None;
     }
     let extended = &selected.stand.fitted;
-    let warm = Warm {
-        law: selected.baseline.fitted.parameters.clone(),
-        sizes: selected.stand.sizes,
-        extended_law: extended.parameters[..extended.model.law_parameters()].to_vec(),
-        causes: (0..extended.effects.len())
-            .map(|k| {
-                let own = extended.parameters[extended.model.span(k)].to_vec();
-                (extended.effects[k], own)
-            })
-            .collect(),
-    };
+    let warm = selected.warm();
     let named: Vec<Vec<usize>> = (0..extended.effects.len())
         .map(|k| {
             let tied = ties.get(k).into_iter().flatten().copied();

@@ -17,7 +17,7 @@ const MARKS_SHARE: f64 = 0.05;
 pub(crate) fn lack(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Lack {
     let samples = subset.samples(bench);
     let scale: Vec<f64> = subset
-        .gather(&stand.fitted.prediction)
+        .gather(stand.fitted.friction(bench))
         .iter()
         .copied()
         .collect();

@@ -65,7 +65,7 @@ fn refuse_beside_step(bench: &Bench<'_>, subset: &Subset, selected: &mut Selecte
     let stand = &selected.baseline;
     let explained = stand.deviance - selected.stand.deviance;
     let samples = subset.samples(bench);
-    let scale = subset.gather(&stand.fitted.prediction);
+    let scale = subset.gather(stand.fitted.friction(bench));
     let columns = general::steps(&samples, scale.as_slice());
     let white = stand.whitener.whiten_columns(&columns.columns);
     let rows = white.nrows() + stand.prior_rows;

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use campaign::{Campaign, Direction};
+use fitting::noise::Averaged;
 
 /// Stacked samples of all runs of a campaign, in the campaign's canonical order.
 #[derive(Clone, Debug)]
@@ -31,6 +32,8 @@ pub(crate) struct Samples {
     pub(crate) loaded: bool,
     /// Root of the number of recorded samples that a row stands for, where it stands for several.
     pub(crate) weight: Option<Vec<f64>>,
+    /// What each row is the mean of, where rows stand for several samples.
+    pub(crate) averaged: Vec<Averaged>,
 }
 
 impl Samples {
@@ -56,6 +59,7 @@ impl Samples {
                 .then(Vec::new),
             loaded,
             weight: None,
+            averaged: Vec::new(),
         };
         for (k, run) in campaign.runs.iter().enumerate() {
             let start = out.time.len();
@@ -108,6 +112,14 @@ impl Samples {
         &self.heading
     }
 
+    /// What the rows are means of; nothing where they are samples.
+    pub(crate) fn averaged_at(&self, rows: &[usize]) -> Vec<Averaged> {
+        match self.averaged.as_slice() {
+            [] => Vec::new(),
+            all => rows.iter().map(|&i| all[i]).collect(),
+        }
+    }
+
     /// The samples at these rows, whose runs take these places.
     pub(crate) fn select(&self, ranges: &[Range<usize>], rows: &[usize]) -> Self {
         let pick = |x: &[f64]| rows.iter().map(|&i| x[i]).collect::<Vec<f64>>();
@@ -128,6 +140,7 @@ impl Samples {
             temperature: self.temperature.as_deref().map(pick),
             loaded: self.loaded,
             weight: self.weight.as_deref().map(pick),
+            averaged: self.averaged_at(rows),
         }
     }
 }

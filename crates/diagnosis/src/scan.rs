@@ -335,7 +335,7 @@ fn tasks(bench: &Bench<'_>, fitted: &Fitted, peaks: &Peaks, skipped: &[usize]) -
             MOST_CHORDS
         };
         let from = if is_dear(bench, cause) {
-            starts.len() / 2
+            (starts.len() - 1) / 2
         } else {
             0
         };

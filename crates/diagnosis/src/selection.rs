@@ -77,6 +77,22 @@ pub(crate) struct Warm {
     pub(crate) causes: Vec<(usize, Vec<f64>)>,
 }
 
+impl Selected {
+    /// Where another selection on nearly the same data may start.
+    pub(crate) fn warm(&self) -> Warm {
+        let extended = &self.stand.fitted;
+        let own = |k: usize| extended.parameters[extended.model.span(k)].to_vec();
+        Warm {
+            law: self.baseline.fitted.parameters.clone(),
+            sizes: self.stand.sizes,
+            extended_law: extended.parameters[..extended.model.law_parameters()].to_vec(),
+            causes: (0..extended.effects.len())
+                .map(|k| (extended.effects[k], own(k)))
+                .collect(),
+        }
+    }
+}
+
 /// Scatter between runs that is likeliest beside the fitted model.
 fn likely_scatter(stand: &Stand) -> f64 {
     stand.ground.likeliest_scatter()
@@ -99,7 +115,7 @@ pub(crate) fn law_alone(bench: &Bench<'_>, subset: &Subset, warm: Option<&Warm>)
             let mut start = model.at_null(&w.law[..model.law_parameters()], &bench.experiment);
             let shared = start.len().min(w.law.len());
             start[..shared].copy_from_slice(&w.law[..shared]);
-            let scale = model.predict(&bench.experiment, &start);
+            let scale = model.friction(&bench.experiment, &start);
             let context = subset.context(bench, &scale);
             let whitener = fitting::noise::Whitener::new(&context, &first_sizes);
             bench.fit(subset, &[], &start, &whitener, None, 20)?

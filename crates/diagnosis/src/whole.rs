@@ -1,5 +1,7 @@
 //! The whole record behind the one that was searched: the last fit, and every error that is stated, use all samples.
 
+use std::sync::OnceLock;
+
 use fitting::noise::Whitener;
 use rig::Model;
 
@@ -52,13 +54,14 @@ impl<'a> Whole<'a> {
 }
 
 /// The same fit on the recorded samples.
-fn of_all_samples(recorded: &Bench<'_>, fitted: &Fitted) -> Fitted {
+pub(crate) fn of_all_samples(recorded: &Bench<'_>, fitted: &Fitted) -> Fitted {
     let effects = fitted.model.effects().iter().map(|e| e.boxed()).collect();
     let model = Model::new(fitted.model.law, effects, &recorded.experiment)
         .expect("the same law and effects made a model of the same runs");
     Fitted {
         prediction: model.predict(&recorded.experiment, &fitted.parameters),
         model,
+        friction: OnceLock::new(),
         ..fitted.clone()
     }
 }

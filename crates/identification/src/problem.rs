@@ -92,5 +92,6 @@ pub(crate) fn noise_context(experiment: &Experiment, predicted: &[f64]) -> Conte
         place: stacked(|run| &run.position_m),
         scale,
         ring: Vec::new(),
+        rows: Vec::new(),
     }
 }

@@ -16,6 +16,8 @@ pub(crate) struct Pass<'a, D> {
     pub(crate) active: Vec<bool>,
     /// Whether the state of the contact depends on a seeded parameter; if not, it is computed in `f64`.
     pub(crate) state_varies: bool,
+    /// A factor on the friction that leaves the contact (and the cord), for derivatives by it.
+    pub(crate) gain: Option<D>,
 }
 
 impl<D: ChainScalar> Pass<'_, D> {
@@ -181,6 +183,9 @@ impl<D: ChainScalar> Pass<'_, D> {
                     force
                 }
             };
+        }
+        if let Some(gain) = self.gain {
+            force.iter_mut().for_each(|f| *f *= gain);
         }
         if self.experiment.moving_mass_kg != 0.0 {
             for (f, a) in force.iter_mut().zip(&run.acceleration_m_s2) {

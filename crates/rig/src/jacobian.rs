@@ -66,6 +66,28 @@ pub(crate) fn columns(
     jacobian
 }
 
+/// Friction in the record: d F / d ln g for a factor g on the friction that leaves the contact, N (rotary N m). Inertia, offsets
+/// and weights do not follow friction and have no part in it; a lag or a gain of the sensor has.
+pub(crate) fn friction(model: &Model, experiment: &Experiment, parameters: &[f64]) -> Vec<f64> {
+    type Dual = DualSVec64<1>;
+    let constant: Vec<Dual> = parameters.iter().map(|&p| Dual::from_re(p)).collect();
+    let record = Pass {
+        model,
+        experiment,
+        parameters: &constant,
+        active: model.off_null(parameters),
+        state_varies: false,
+        gain: Some(Dual::from_re(1.0).derivative(0)),
+    }
+    .predict();
+    let of = |f: &Dual| match &f.eps.0 {
+        Some(eps) => eps[0],
+        None if f.re.is_nan() => f64::NAN,
+        None => 0.0,
+    };
+    record.iter().map(of).collect()
+}
+
 /// Whether a parameter reaches the integration of the contact.
 fn moves_the_state(model: &Model, parameters: &[f64], column: usize) -> bool {
     let effect = (0..model.effects.len()).find(|&i| model.span(i).contains(&column));
@@ -132,6 +154,7 @@ impl Task<'_> {
             parameters: &seeded,
             active,
             state_varies,
+            gain: None,
         };
         let record = pass.predict();
         for (j, &column) in self.columns.iter().enumerate() {

@@ -203,8 +203,24 @@ impl Model {
             parameters,
             active: self.off_null(parameters),
             state_varies: true,
+            gain: None,
         }
         .predict()
+    }
+
+    /// The part of each recorded force that follows friction, N (rotary N m): what roughness and the scatter between runs
+    /// multiply. It is the prediction less inertia, offsets, drifts and weights, as the sensor shows it. Rows as in
+    /// [`Model::predict`].
+    ///
+    /// # Panics
+    /// If `parameters` is not as long as [`Model::parameters`].
+    pub fn friction(&self, experiment: &Experiment, parameters: &[f64]) -> Vec<f64> {
+        assert_eq!(
+            parameters.len(),
+            self.specs.len(),
+            "one value for each parameter"
+        );
+        jacobian::friction(self, experiment, parameters)
     }
 
     /// Prediction and its derivatives: samples x `columns` (all parameters for `None`). Rows as in [`Model::predict`].

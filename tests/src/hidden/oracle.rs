@@ -481,6 +481,7 @@ fn context(plan: &Plan, recordings: &[Recording]) -> Context {
     }
     Context {
         ring: vec![None; runs.len()],
+        rows: Vec::new(),
         runs,
         sliding,
         place,

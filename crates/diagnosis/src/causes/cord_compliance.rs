@@ -73,7 +73,7 @@ impl Cause for CordCompliance {
 
     fn starts(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
         let typical = self.parameters_for(experiment)[0].typical;
-        [0.03, 0.3, 3.0]
+        [0.03, 0.3, 3.0, 30.0]
             .iter()
             .map(|share| vec![share * typical, 0.0])
             .collect()

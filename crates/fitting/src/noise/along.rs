@@ -23,6 +23,7 @@ pub(super) const TOGETHER: usize = 8;
 pub(super) struct Along {
     /// phi of both states, and zero at the first sample of a run.
     pub(super) decay: Vec<[f64; 2]>,
+    /// Friction force that roughness multiplies, less where a row is the mean of several samples.
     pub(super) scale: Vec<f64>,
     pub(super) gain: Vec<[f64; 2]>,
     pub(super) inverse_sd: Vec<f64>,
@@ -45,19 +46,28 @@ impl Along {
             inverse_sd: vec![0.0; n],
             log_det: 0.0,
         };
+        let means: Vec<(f64, f64)> = (context.rows.iter())
+            .map(|row| row.in_chain(sizes.length))
+            .collect();
+        for (scale, (root, _)) in filter.scale.iter_mut().zip(&means) {
+            *scale *= root;
+        }
         for run in &context.runs {
             // Covariance [[p, c], [c, q]] of the two states.
             let (mut p, mut c, mut q) = (private, 0.0, between);
             for i in run.clone() {
                 if i > run.start {
-                    let step = context.sliding[i] - context.sliding[i - 1];
+                    let mut step = context.sliding[i] - context.sliding[i - 1];
+                    if !means.is_empty() {
+                        step = (step + sizes.length * (means[i - 1].1 + means[i].1)).max(0.0);
+                    }
                     let phi = lengths.map(|l| (-step / l).exp());
                     filter.decay[i] = phi;
                     p = phi[0] * phi[0] * p + private * (1.0 - phi[0] * phi[0]);
                     q = phi[1] * phi[1] * q + between * (1.0 - phi[1] * phi[1]);
                     c *= phi[0] * phi[1];
                 }
-                let f = context.scale[i];
+                let f = filter.scale[i];
                 let total = f * f * (p + 2.0 * c + q) + white;
                 let gain = [f * (p + c) / total, f * (c + q) / total];
                 let seen = [f * (p + c), f * (c + q)];

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::averaged::Averaged;
 use super::ring::Ring;
 
 /// Plain numbers a sample, stacked run after run.
@@ -17,6 +18,8 @@ pub struct Context {
     pub scale: Vec<f64>,
     /// The resonance through which each run's roughness reaches the record; empty where there is none.
     pub ring: Vec<Option<Ring>>,
+    /// What each sample is the mean of; empty where each stands for itself.
+    pub rows: Vec<Averaged>,
 }
 
 /// Sizes of the parts of the noise, see (N1).

@@ -18,6 +18,7 @@
 //! This module knows forces, distances and runs as plain numbers, and no friction.
 
 mod along;
+mod averaged;
 mod context;
 mod estimate;
 mod plate;
@@ -31,6 +32,7 @@ mod tests;
 mod vectors;
 mod whitener;
 
+pub use averaged::Averaged;
 pub use context::{Context, Sizes};
 pub use estimate::{EstimateOptions, NoiseModel, estimate};
 pub use ring::Ring;

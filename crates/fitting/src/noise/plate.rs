@@ -18,7 +18,7 @@ use super::vectors::wide;
 /// Entries of a row below this (relative to one) are dropped.
 const FORGOTTEN: f64 = 1e-5;
 /// Never more nodes than this; a finer plate is then resolved only coarsely.
-const MOST_NODES: usize = 3000;
+const MOST_NODES: usize = 4000;
 /// Never longer rows than this.
 const LONGEST_ROW: usize = 96;
 
@@ -53,6 +53,27 @@ impl Grid {
         (j, left, (a / length).sinh() / whole)
     }
 
+    /// The nodes that sample i of a context sees; the mean over its places where it is the mean of several.
+    fn seen(&self, context: &Context, i: usize, length: f64, seen: &mut Seen) {
+        let row = context.rows.get(i);
+        let (count, step) = row.map_or((1, 0.0), |r| (r.samples as usize, r.step));
+        let count = count.max(1);
+        let from = context.place[i] - 0.5 * step * (count - 1) as f64;
+        seen.weights.clear();
+        for k in 0..count {
+            let (node, left, right) = self.weights(from + step * k as f64, length);
+            if seen.weights.is_empty() {
+                seen.first = node;
+            }
+            let own = node - seen.first;
+            if seen.weights.len() < own + 2 {
+                seen.weights.resize(own + 2, 0.0);
+            }
+            seen.weights[own] += left / count as f64;
+            seen.weights[own + 1] += right / count as f64;
+        }
+    }
+
     /// Share of the field's variance that lies between the nodes, the mean over a cell.
     pub(super) fn unresolved(&self, length: f64) -> f64 {
         const POINTS: usize = 32;
@@ -74,6 +95,13 @@ impl Grid {
         let inner = 1.0 / (sizes.plate * (1.0 - phi * phi).sqrt());
         (inner, -phi * inner, 1.0 / sizes.plate)
     }
+}
+
+/// What one sample sees of the nodes, from node `first` on.
+#[derive(Default)]
+struct Seen {
+    first: usize,
+    weights: Vec<f64>,
 }
 
 /// Rows of the whitened design of the nodes: row i is the response of innovation i to the nodes.
@@ -98,11 +126,13 @@ impl Rows {
         rows.offset.push(0);
         // The filter's state as a function of the nodes lo..hi.
         let mut state = vec![[0.0_f64; 2]; grid.nodes];
+        let mut seen = Seen::default();
         for run in &context.runs {
             state.fill([0.0; 2]);
             let (mut lo, mut hi) = (0, 0);
             for i in run.clone() {
-                let (node, left, right) = grid.weights(context.place[i], sizes.length);
+                grid.seen(context, i, sizes.length, &mut seen);
+                let ends = (seen.first, seen.first + seen.weights.len());
                 let decay = along.decay[i];
                 for x in &mut state[lo..hi] {
                     *x = [x[0] * decay[0], x[1] * decay[1]];
@@ -116,13 +146,13 @@ impl Rows {
                     hi -= 1;
                     state[hi] = [0.0; 2];
                 }
-                if lo == hi {
-                    (lo, hi) = (node, node + 2);
+                (lo, hi) = if lo == hi {
+                    ends
                 } else {
-                    (lo, hi) = (lo.min(node), hi.max(node + 2));
-                }
+                    (lo.min(ends.0), hi.max(ends.1))
+                };
                 while hi - lo > LONGEST_ROW {
-                    if node - lo > hi - node - 2 {
+                    if ends.0 as isize - lo as isize > hi as isize - ends.1 as isize {
                         state[lo] = [0.0; 2];
                         lo += 1;
                     } else {
@@ -130,17 +160,12 @@ impl Rows {
                         state[hi] = [0.0; 2];
                     }
                 }
-                let f = context.scale[i];
+                let (f, along_scale) = (context.scale[i], along.scale[i]);
                 let (gain, weight) = (along.gain[i], along.inverse_sd[i]);
                 for (j, state) in state.iter_mut().enumerate().take(hi).skip(lo) {
-                    let direct = if j == node {
-                        left
-                    } else if j == node + 1 {
-                        right
-                    } else {
-                        0.0
-                    };
-                    let innovation = f * (direct - state[0] - state[1]);
+                    let direct = j.checked_sub(seen.first).and_then(|k| seen.weights.get(k));
+                    let direct = direct.map_or(0.0, |w| f * w);
+                    let innovation = direct - along_scale * (state[0] + state[1]);
                     state[0] += gain[0] * innovation;
                     state[1] += gain[1] * innovation;
                     rows.values.push(innovation * weight);

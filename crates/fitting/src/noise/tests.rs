@@ -17,6 +17,7 @@ fn ramps(samples: usize, pairs: usize) -> Context {
         place: Vec::new(),
         scale: Vec::new(),
         ring: Vec::new(),
+        rows: Vec::new(),
     };
     for k in 0..2 * pairs {
         let start = context.scale.len();
