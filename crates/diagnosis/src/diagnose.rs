@@ -20,7 +20,7 @@ use crate::integrity::{Integrity, inspect};
 use crate::intervals;
 use crate::laws;
 use crate::probability::weight_of_set;
-use crate::refusal::refuse_beaten;
+use crate::refusal::{refuse_beaten, take_all_back};
 use crate::samples::Samples;
 use crate::selection::{
     ALPHA_GENERAL, ALPHA_NAME, Depth, SHAPE_TOLERANCE, Selected, law_alone, select,
@@ -252,14 +252,24 @@ pub fn diagnose_fully(
     if refuse_beaten(bench, &subset, &mut selected, &contests) {
         contests.clear();
     }
-    let whole = Whole::of(&recorded, bench, &selected);
+    let mut whole = Whole::of(&recorded, bench, &selected);
+    let unseen = match (&excerpt, &every_run) {
+        (Some(excerpt), Some(all)) => {
+            Some(excerpt.unseen(whole_campaign, all, &whole.law, &whole.extended))
+        }
+        _ => None,
+    };
+    if unseen.is_some_and(|u| u.speaks_against()) {
+        take_all_back(bench, &subset, &mut selected);
+        contests.clear();
+        whole = Whole::of(&recorded, bench, &selected);
+    }
     let mut answer = assemble(&whole, &selected, &contests, &integrity);
     if let Some(condensed) = &condensed {
         answer.notes.push(condensed.note(&recorded.samples));
     }
-    if let (Some(excerpt), Some(all)) = (&excerpt, &every_run) {
-        let note = excerpt.note(whole_campaign, all, &whole.law, &whole.extended);
-        answer.notes.push(note);
+    if let Some(unseen) = unseen {
+        answer.notes.push(unseen.note());
     }
     if !options.quick {
         complete(bench, &whole, &selected, &contests, &mut answer, options);

@@ -69,42 +69,33 @@ impl Excerpt {
         }
     }
 
-    /// What the reader should know: how many runs were searched, and the errors on all the others.
-    pub(crate) fn note(
+    /// Errors of the law alone and with the named causes on the runs that no fit has seen.
+    pub(crate) fn unseen(
         &self,
         campaign: &Campaign,
         all: &Experiment,
         law: &Fitted,
         extended: &Fitted,
-    ) -> String {
+    ) -> Unseen {
         let samples = Samples::new(campaign);
-        let others: Vec<usize> = {
-            let mut other = vec![true; campaign.runs.len()];
-            self.kept.iter().for_each(|&k| other[k] = false);
-            (0..other.len()).filter(|&k| other[k]).collect()
-        };
+        let mut other = vec![true; campaign.runs.len()];
+        self.kept.iter().for_each(|&k| other[k] = false);
+        let others: Vec<usize> = (0..other.len()).filter(|&k| other[k]).collect();
         let error = |fitted: &Fitted| {
             let prediction = self.prediction(all, fitted);
             floor::rmse_of(&samples, &prediction, &others)
         };
-        let unit = if samples.loaded {
-            ""
-        } else {
-            " of the force's unit"
-        };
-        let named = if extended.effects.is_empty() {
-            String::new()
-        } else {
-            format!(", with the named causes {:.3e}", error(extended))
-        };
-        format!(
-            "causes were searched in {} of {} runs; on the {} others, which no fit has seen, the error of the law alone is \
-             {:.3e}{named}{unit}",
-            self.kept.len(),
-            campaign.runs.len(),
-            others.len(),
-            error(law),
-        )
+        Unseen {
+            searched: self.kept.len(),
+            others: others.len(),
+            unit: if samples.loaded {
+                ""
+            } else {
+                " of the force's unit"
+            },
+            law: error(law),
+            extended: (!extended.effects.is_empty()).then(|| error(extended)),
+        }
     }
 
     /// Prediction of a fit for all runs; runs outside the excerpt start relaxed.
@@ -124,6 +115,43 @@ impl Excerpt {
             }
         }
         model.predict(all, &parameters)
+    }
+}
+
+/// How a diagnosis made in an excerpt does on all the other runs.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Unseen {
+    searched: usize,
+    others: usize,
+    unit: &'static str,
+    law: f64,
+    extended: Option<f64>,
+}
+
+impl Unseen {
+    /// Whether the named causes make the error no smaller there: then the excerpt was explained, not the campaign.
+    pub(crate) fn speaks_against(&self) -> bool {
+        self.extended.is_some_and(|extended| !(extended < self.law))
+    }
+
+    /// What the reader should know: how many runs were searched, and the errors on all the others.
+    pub(crate) fn note(&self) -> String {
+        let unit = self.unit;
+        let named = match self.extended {
+            Some(error) if self.speaks_against() => format!(
+                "; with what was named in the excerpt it is {error:.3e}{unit}, no smaller, and the names were taken back"
+            ),
+            Some(error) => format!(", with the named causes {error:.3e}{unit}"),
+            None => String::new(),
+        };
+        format!(
+            "causes were searched in {} of {} runs; on the {} others, which no fit has seen, the error of the law alone is \
+             {:.3e}{unit}{named}",
+            self.searched,
+            self.searched + self.others,
+            self.others,
+            self.law,
+        )
     }
 }
 
@@ -165,6 +193,30 @@ mod tests {
             })
             .collect();
         campaign
+    }
+
+    /// Names that make the error on unseen runs no smaller do not stay, and the note says so.
+    #[test]
+    fn unseen_runs_speak_against_names_that_do_not_help() {
+        let unseen = |extended| Unseen {
+            searched: 48,
+            others: 952,
+            unit: "",
+            law: 0.02,
+            extended,
+        };
+        for (extended, against) in [
+            (None, false),
+            (Some(0.019), false),
+            (Some(0.02), true),
+            (Some(0.021), true),
+            (Some(f64::NAN), true),
+        ] {
+            let unseen = unseen(extended);
+            assert_eq!(unseen.speaks_against(), against, "{extended:?}");
+            assert_eq!(unseen.note().contains("taken back"), against);
+            assert!(unseen.note().contains("in 48 of 1000 runs"));
+        }
     }
 
     #[test]

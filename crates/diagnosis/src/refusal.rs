@@ -47,7 +47,7 @@ fn refuse_uneven(bench: &Bench<'_>, subset: &Subset, selected: &mut Selected) {
 }
 
 /// The law alone again; what was seen stays seen.
-fn take_all_back(bench: &Bench<'_>, subset: &Subset, selected: &mut Selected) {
+pub(crate) fn take_all_back(bench: &Bench<'_>, subset: &Subset, selected: &mut Selected) {
     let seen = selected.entry_log_p.iter().copied().fold(0.0, f64::min);
     let fitted = selected.baseline.fitted.clone();
     selected.stand = Stand::new(bench, subset, fitted, selected.stand.sizes);
