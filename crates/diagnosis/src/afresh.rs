@@ -86,27 +86,18 @@ pub(crate) fn afresh(
     let mut rough: Vec<(usize, Fitted)> = candidates
         .par_iter()
         .filter_map(|(cause, own)| {
-            let fit = if beside_dear {
-                // Beside a cord that was fitted already the law has come right.
+            // Beside a cord that was fitted already the law has come right; where the cord is what is asked for, all that is
+            // elastic may be in it: then the contact is stiff.
+            let tries = if beside_dear {
                 let own = &own[..own.len().min(BESIDE_DEAR)];
-                rough_fit(
-                    bench,
-                    subset,
-                    stand,
-                    *cause,
-                    own,
-                    &[&stand.fitted],
-                    &whitener,
-                    DEAR,
-                )?
+                Tries::new(vec![&stand.fitted], own, DEAR)
             } else if is_dear(bench, *cause) {
-                // What is elastic may all be in the cord: then the contact is stiff.
-                let laws: Vec<&Fitted> = laws.iter().take(DEAR_LAWS).chain(&stiff).collect();
-                rough_fit(bench, subset, stand, *cause, own, &laws, &whitener, DEAR)?
+                let laws = laws.iter().take(DEAR_LAWS).chain(&stiff).collect();
+                Tries::new(laws, own, DEAR)
             } else {
-                let laws: Vec<&Fitted> = laws.iter().collect();
-                rough_fit(bench, subset, stand, *cause, own, &laws, &whitener, ROUGH)?
+                Tries::new(laws.iter().collect(), own, ROUGH)
             };
+            let fit = rough_fit(bench, subset, stand, *cause, &tries, &whitener)?;
             Some((*cause, fit))
         })
         .collect();
@@ -227,23 +218,43 @@ fn own_starts(
     own
 }
 
+/// What is tried of one cause.
+struct Tries<'a> {
+    /// Starts of the law.
+    laws: Vec<&'a Fitted>,
+    /// Sizes and shapes of the cause.
+    own: &'a [Vec<f64>],
+    /// Fits from the best of all their pairs, and steps of each.
+    fits: usize,
+    steps: u64,
+}
+
+impl<'a> Tries<'a> {
+    fn new(laws: Vec<&'a Fitted>, own: &'a [Vec<f64>], (fits, steps): (usize, u64)) -> Self {
+        Self {
+            laws,
+            own,
+            fits,
+            steps,
+        }
+    }
+}
+
 /// The best of a few rough fits of one cause.
 fn rough_fit(
     bench: &Bench<'_>,
     subset: &Subset,
     stand: &Stand,
     cause: usize,
-    own: &[Vec<f64>],
-    laws: &[&Fitted],
+    tries: &Tries<'_>,
     whitener: &Whitener,
-    (fits, limit): (usize, u64),
 ) -> Option<Fitted> {
     let measured = subset.gather(&bench.experiment.measured_n);
     let mut tried: Vec<(f64, usize, Vec<f64>)> = Vec::new();
-    for (place, law) in laws.iter().enumerate() {
-        let mut starts = Vec::with_capacity(own.len());
-        let mut residuals = DMatrix::zeros(subset.len(), own.len());
-        for (own, mut column) in own.iter().zip(residuals.column_iter_mut()) {
+    for (place, law) in tries.laws.iter().enumerate() {
+        let mut starts = Vec::with_capacity(tries.own.len());
+        let mut residuals = DMatrix::zeros(subset.len(), tries.own.len());
+        for (own, mut column) in tries.own.iter().zip(residuals.column_iter_mut()) {
             let (model, start) = extended(bench, law, cause, own)?;
             let predicted = model.predict(&bench.experiment, &start);
             column.copy_from(&(subset.gather(&predicted) - &measured));
@@ -264,11 +275,11 @@ fn rough_fit(
     let mut best: Option<Fitted> = None;
     for (_, place, start) in tried {
         // Fits from one start of the law tend to end in one minimum.
-        if taken.contains(&place) || taken.len() == fits {
+        if taken.contains(&place) || taken.len() == tries.fits {
             continue;
         }
         taken.push(place);
-        let Some(fit) = bench.fit(subset, &effects, &start, whitener, None, limit) else {
+        let Some(fit) = bench.fit(subset, &effects, &start, whitener, None, tries.steps) else {
             continue;
         };
         if best.as_ref().is_none_or(|b| fit.cost < b.cost) {
