@@ -6,14 +6,15 @@ use rig::{Experiment, ModelFile};
 
 use crate::anatomy::anatomy;
 use crate::answer::{
-    Baseline, Diagnosis, Estimate, Evidence, Finding, Hidden, LawFit, Rival, Status, Unexplained,
+    Baseline, Diagnosis, Estimate, Evidence, Finding, Hidden, LawFit, Rival, Status, Undecidable,
+    Unexplained,
 };
 use crate::bench::{Bench, Fitted, Prior, Stand, Subset};
 use crate::causes;
 use crate::condense::{Condensed, condense};
 use crate::equivalence::{Contest, contest};
 use crate::excerpt::Excerpt;
-use crate::experiment::{Hypothesis, propose};
+use crate::experiment::{Hypothesis, Proposal, propose};
 use crate::floor;
 use crate::gain;
 use crate::integrity::{Integrity, inspect};
@@ -353,30 +354,41 @@ fn complete(
                 parameters: &opponent.parameters,
             },
         );
-        if let (Some(p), Some(finding)) =
-            (proposal, answer.findings.iter_mut().find(|f| f.cause == id))
+        if let Some(finding) = answer.findings.iter_mut().find(|f| f.cause == id)
             && !finding.equivalent.is_empty()
         {
-            let text = format!(
-                "{} (the two would differ by {:.0} standard deviations)",
-                p.text, p.distance
-            );
-            answer.undecidable.push(crate::answer::Undecidable {
-                causes: std::iter::once(finding.cause.clone())
-                    .chain(finding.equivalent.iter().cloned())
-                    .collect(),
+            let causes: Vec<String> = std::iter::once(finding.cause.clone())
+                .chain(finding.equivalent.iter().cloned())
+                .collect();
+            let by_a_run = |p: Proposal| {
+                format!(
+                    "{} (the two would differ by {:.0} standard deviations)",
+                    p.text, p.distance
+                )
+            };
+            let text = ties::beyond_runs(&causes)
+                .map(Into::into)
+                .or_else(|| proposal.map(by_a_run))
+                .unwrap_or_else(|| "none of the runs that were considered".to_owned());
+            answer.undecidable.push(Undecidable {
+                causes,
                 because: "this campaign's fits cannot tell them apart".into(),
                 experiment: text.clone(),
             });
             finding.experiment = Some(text);
         }
     }
-    answer.undecidable.extend(ties::ties(
-        bench,
-        &selected.baseline,
-        &selected.first,
-        scatter,
-    ));
+    let of_the_design = ties::ties(bench, &selected.baseline, &selected.first, scatter);
+    for tie in of_the_design {
+        let same = |u: &Undecidable| {
+            let held = |id: &String| tie.causes.contains(id);
+            u.causes.len() == tie.causes.len() && u.causes.iter().all(held)
+        };
+        // The named set's own line says it already.
+        if !answer.undecidable.iter().any(same) {
+            answer.undecidable.push(tie);
+        }
+    }
     answer.undecidable.extend(ties::lacking(bench));
     if options.model.is_none() {
         answer.laws = laws::compare(bench, whole, selected);

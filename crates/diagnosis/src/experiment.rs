@@ -11,6 +11,9 @@ use rig::{Experiment, Model};
 use crate::bench::Bench;
 use crate::equivalence::SEPARABLE;
 
+/// A run in which two hypotheses differ by fewer standard deviations tells nothing, and is not proposed.
+const LEAST: f64 = 2.0;
+
 /// A proposal: what to do, and what it would tell.
 #[derive(Clone, Debug)]
 pub(crate) struct Proposal {
@@ -32,7 +35,7 @@ struct Candidate {
     runs: Vec<Run>,
 }
 
-/// Proposes the run that tells two hypotheses apart.
+/// Proposes the run that tells two hypotheses apart; `None` where no run that was considered tells anything.
 pub(crate) fn propose(
     bench: &Bench<'_>,
     sizes: &Sizes,
@@ -58,7 +61,7 @@ pub(crate) fn propose(
             });
         }
     }
-    best
+    best.filter(|p| p.distance > LEAST)
 }
 
 /// Distance of the predictions in the candidate's own runs.

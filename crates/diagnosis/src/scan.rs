@@ -293,8 +293,7 @@ fn tasks(bench: &Bench<'_>, fitted: &Fitted, peaks: &Peaks, skipped: &[usize]) -
     let dear = fitted.effects.iter().any(|&e| is_dear(bench, e));
     for cause in 0..bench.catalogue.len() {
         let effect = &bench.catalogue[cause];
-        // With free parameters a lean or a gain is the law's own parameter under another name.
-        if bench.prior.is_none() && matches!(effect.id(), "lean-angle" | "force-gain") {
+        if is_shift(bench, effect.as_ref()) {
             shifts.push(cause);
             continue;
         }
@@ -347,6 +346,17 @@ fn tasks(bench: &Bench<'_>, fitted: &Fitted, peaks: &Peaks, skipped: &[usize]) -
         tasks,
         paths,
         shifts,
+    }
+}
+
+/// Whether a cause is the law's own parameter under another name: with free parameters a lean always is, a gain wherever
+/// nothing but friction is in the record (a stated mass whose inertia it scales too tells it from the law).
+fn is_shift(bench: &Bench<'_>, effect: &dyn rig::Cause) -> bool {
+    let free = bench.prior.is_none();
+    match effect.id() {
+        "lean-angle" => free,
+        "force-gain" => free && bench.experiment.moving_mass_kg == 0.0,
+        _ => false,
     }
 }
 

@@ -50,7 +50,10 @@ pub(crate) fn ties(
         if ids.len() < 2 {
             continue;
         }
-        let experiment = break_tie(bench, stand, scan, causes[members[0]], causes[members[1]]);
+        let experiment = beyond_runs(&ids).map_or_else(
+            || break_tie(bench, stand, scan, causes[members[0]], causes[members[1]]),
+            Into::into,
+        );
         out.push(Undecidable {
             because: why(bench, &ids),
             causes: ids,
@@ -115,6 +118,12 @@ fn absorbed_remedy(cause: &str) -> &'static str {
         "load-dependence" => "repeat two runs at twice the load",
         _ => "diagnose against a model identified elsewhere",
     }
+}
+
+/// What tells tied causes apart where the answer is no run with friction in it.
+pub(crate) fn beyond_runs(causes: &[String]) -> Option<&'static str> {
+    let gain = causes.iter().any(|id| id == "force-gain");
+    gain.then_some("calibrate the force channel with a weight")
 }
 
 /// Why a group is tied, in words.
