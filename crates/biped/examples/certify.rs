@@ -4,6 +4,7 @@
 //! the strides that were reached, as JSON.
 
 use biped::gait::catalogue::Name;
+use biped::gait::file::NamedStart;
 use biped::gait::{motion::Motion, programme::Stride};
 use serde::{Deserialize, Serialize};
 use std::error::Error;
@@ -15,8 +16,7 @@ mod sample;
 #[derive(Deserialize)]
 struct Row {
     #[serde(flatten)]
-    name: Name,
-    x: Vec<f64>,
+    start: NamedStart,
     /// Cost that the other program found.
     cost: Option<f64>,
 }
@@ -43,7 +43,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let rows: Vec<Row> = serde_json::from_value(json)?;
     let brush = sample::brush();
     let mut reached = Vec::new();
-    for Row { name, x, cost } in rows {
+    for Row { start, cost } in rows {
+        let NamedStart { name, x, .. } = start;
         let problem = name.problem(&sample::biped(), brush);
         let clock = std::time::Instant::now();
         let options = Options {

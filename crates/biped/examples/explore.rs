@@ -8,9 +8,9 @@ use biped::contact::Ground;
 use biped::gait::book::{Book, Entry, Looked, Source};
 use biped::gait::catalogue::{CONTACT, Choice, Kind, Mount, Name, WEIGHTS, all};
 use biped::gait::chain::{Case, solve_all};
+use biped::gait::file::{NamedStart, Search, StridesFile};
 use biped::gait::start::Guess;
 use biped::gait::{Contact, Goal, Problem};
-use serde::{Deserialize, Serialize};
 use std::error::Error;
 use std::path::Path;
 use std::time::Instant;
@@ -31,28 +31,6 @@ const FARTHEST: usize = 6;
 const ABOUT: &str = "Starts of the gait stage, not results: strides of the project's own solver (cargo run --release -p biped --example \
                      explore) and, at first, of CasADi with IPOPT (benches/gait/explore.py), each improved from those of other problems. The \
                      stage solves every problem again from them and certifies what it reports; found and tried count the starts of that search.";
-
-#[derive(Serialize, Deserialize)]
-struct File {
-    about: String,
-    starts: Vec<Row>,
-}
-
-#[derive(Serialize, Deserialize)]
-struct Row {
-    #[serde(flatten)]
-    name: Name,
-    #[serde(flatten)]
-    search: Option<Search>,
-    x: Vec<f64>,
-}
-
-/// Starts that ended in a stride, of those tried, over all runs.
-#[derive(Clone, Copy, Serialize, Deserialize)]
-struct Search {
-    found: usize,
-    tried: usize,
-}
 
 fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).ok_or("which file?")?;
@@ -136,7 +114,7 @@ fn part(name: &Name) -> usize {
 /// The book of a file: every problem of the chapter, solved again from the strides in the file.
 fn open(path: &str, options: &Options) -> Result<Book, Box<dyn Error>> {
     let rows = if Path::new(path).exists() {
-        serde_json::from_str::<File>(&std::fs::read_to_string(path)?)?.starts
+        serde_json::from_str::<StridesFile>(&std::fs::read_to_string(path)?)?.starts
     } else {
         cold()?
     };
@@ -212,7 +190,7 @@ fn write(book: &Book, path: &str) -> Result<(), Box<dyn Error>> {
             found: outcome.found_by,
             tried: outcome.tried,
         });
-        lines.push(serde_json::to_string(&Row { name, search, x })?);
+        lines.push(serde_json::to_string(&NamedStart { name, search, x })?);
     }
     let about = serde_json::to_string(ABOUT)?;
     let text = format!(
@@ -237,7 +215,7 @@ fn replace(path: &str, text: &str) -> Result<(), Box<dyn Error>> {
 
 /// Strides at the smallest weight from cold starts: the rigid one directly, the compliant one by a chain from a soft
 /// and lossless to the stiff and damped ground, each from several guesses.
-fn cold() -> Result<Vec<Row>, Box<dyn Error>> {
+fn cold() -> Result<Vec<NamedStart>, Box<dyn Error>> {
     let options = Options::default();
     let biped = sample::biped();
     let guesses =
@@ -302,7 +280,7 @@ fn cold() -> Result<Vec<Row>, Box<dyn Error>> {
                 *start = outcome.map(|o| o.start());
             }
         }
-        rows.extend(starts.into_iter().flatten().map(|start| Row {
+        rows.extend(starts.into_iter().flatten().map(|start| NamedStart {
             name,
             search: None,
             x: start.x,

@@ -2,34 +2,21 @@
 //!
 //! `cargo run --release -p biped --example refine -- FILE [WEIGHT]`; FILE as data/strides.json.
 
-use biped::gait::catalogue::Name;
+use biped::gait::file::{NamedStart, StridesFile};
 use biped::gait::refine::on_mesh;
 use biped::gait::{Mesh, Problem, motion::Motion, programme::Stride};
-use serde::Deserialize;
 use std::error::Error;
 use trajectory::{Options, Start, solve};
 
 #[path = "../tests/sample/mod.rs"]
 mod sample;
 
-#[derive(Deserialize)]
-struct Row {
-    #[serde(flatten)]
-    name: Name,
-    x: Vec<f64>,
-}
-
-#[derive(Deserialize)]
-struct File {
-    starts: Vec<Row>,
-}
-
 fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).ok_or("which file?")?;
     let wanted: Option<f64> = std::env::args().nth(2).map(|n| n.parse()).transpose()?;
-    let file: File = serde_json::from_str(&std::fs::read_to_string(path)?)?;
+    let file: StridesFile = serde_json::from_str(&std::fs::read_to_string(path)?)?;
     let brush = sample::brush();
-    for Row { name, x } in file.starts {
+    for NamedStart { name, x, .. } in file.starts {
         if wanted.is_some_and(|weight| weight != name.weight) {
             continue;
         }

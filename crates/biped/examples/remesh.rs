@@ -3,27 +3,14 @@
 //! `cargo run --release -p biped --example remesh -- FILE STANCE/FLIGHT NEW_STANCE/NEW_FLIGHT OUT`; FILE as data/strides.json. Strides whose length
 //! is that of another mesh are left out.
 
-use biped::gait::catalogue::Name;
+use biped::gait::file::{NamedStart, StridesFile};
 use biped::gait::layout::Layout;
 use biped::gait::refine::on_mesh;
 use biped::gait::{Mesh, Problem};
-use serde::{Deserialize, Serialize};
 use std::error::Error;
 
 #[path = "../tests/sample/mod.rs"]
 mod sample;
-
-#[derive(Serialize, Deserialize)]
-struct Row {
-    #[serde(flatten)]
-    name: Name,
-    x: Vec<f64>,
-}
-
-#[derive(Deserialize)]
-struct File {
-    starts: Vec<Row>,
-}
 
 fn mesh(text: &str) -> Result<Mesh, Box<dyn Error>> {
     let (stance, flight) = text
@@ -41,17 +28,21 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err("FILE STANCE/FLIGHT NEW_STANCE/NEW_FLIGHT OUT".into());
     };
     let (from, to) = (mesh(from)?, mesh(to)?);
-    let file: File = serde_json::from_str(&std::fs::read_to_string(path)?)?;
+    let file: StridesFile = serde_json::from_str(&std::fs::read_to_string(path)?)?;
     let brush = sample::brush();
     let mut rows = Vec::new();
-    for Row { name, x } in file.starts {
+    for NamedStart { name, x, .. } in file.starts {
         let problem = Problem {
             mesh: from,
             ..name.problem(&sample::biped(), brush)
         };
         if x.len() == Layout::new(&problem).count() {
             let x = on_mesh(&problem, &x, to);
-            rows.push(serde_json::to_string(&Row { name, x })?);
+            rows.push(serde_json::to_string(&NamedStart {
+                name,
+                search: None,
+                x,
+            })?);
         }
     }
     let text = format!("{{\"about\":\"\",\"starts\":[\n{}\n]}}\n", rows.join(",\n"));

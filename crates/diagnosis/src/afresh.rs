@@ -11,9 +11,10 @@ use fitting::noise::{Sizes, Whitener};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use crate::bench::{Bench, Fitted, Stand, Subset};
+use crate::bench::{Bench, Fitted, Stand};
 use crate::scan::{Scan, extended};
 use crate::selection::{Warm, is_dear, search_price, settle};
+use crate::subset::Subset;
 
 /// Strength of the best candidate (in standard deviations) from which the law alone is not trusted: several times what
 /// is needed to be seen.
@@ -136,12 +137,12 @@ pub(crate) fn afresh(
 /// -2 log likelihood of each stand, parameters paid for, under whichever of the stands' noises suits it best. A stand's own noise
 /// leaves out what further causes could explain, and then makes much of a remainder that a worse fit's noise swallows.
 fn likeliest(bench: &Bench<'_>, subset: &Subset, stands: &[(usize, Stand)]) -> Vec<f64> {
-    let under = |stand: &Stand, other: &Stand| {
-        Stand::new(bench, subset, stand.fitted.clone(), other.sizes).deviance
-    };
     let each = stands.par_iter().map(|(cause, stand)| {
-        let others = stands.iter().map(|(_, other)| under(stand, other));
-        others.fold(stand.deviance, f64::min) + search_price(bench, *cause)
+        let others = stands.iter().filter(|(other, _)| other != cause);
+        others
+            .map(|(_, other)| stand.deviance_with(bench, subset, other.sizes))
+            .fold(stand.deviance, f64::min)
+            + search_price(bench, *cause)
     });
     each.collect()
 }

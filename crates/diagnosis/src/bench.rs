@@ -1,20 +1,21 @@
 //! The bench: one campaign with its law and catalogue, fits of a law with effects, and the noise beneath them.
 
-use std::ops::Range;
 use std::sync::OnceLock;
 
 use campaign::Campaign;
-use fitting::noise::{Context, EstimateOptions, NoiseModel, Ring, Sizes, Whitener, estimate};
+use fitting::noise::{Context, EstimateOptions, NoiseModel, Sizes, Whitener, estimate};
 use fitting::{Bounds, Options as SolverOptions, Residuals, minimise};
 use friction::LawKind;
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use rig::{Cause, Experiment, Model, ModelFile};
+use rig::{Cause, Experiment, Model};
 
 use crate::condense::Condensed;
 use crate::ground::Ground;
 use crate::integrity::is_coarse;
+use crate::prior::{Prior, append_prior, with_prior_rows};
 use crate::samples::Samples;
+use crate::subset::Subset;
 
 /// Everything that stays the same while hypotheses come and go.
 pub(crate) struct Bench<'a> {
@@ -34,176 +35,6 @@ pub(crate) struct Bench<'a> {
     pub(crate) masked: Vec<bool>,
     /// Step of the force channel, N, where all forces are multiples of one.
     pub(crate) step_n: Option<f64>,
-}
-
-/// Knowledge of the law's parameters from a model file: values and the root of their precision.
-#[derive(Clone)]
-pub(crate) struct Prior {
-    pub(crate) values: Vec<f64>,
-    /// C^-1/2, one row a pseudo-observation.
-    root: DMatrix<f64>,
-}
-
-impl Prior {
-    /// From a model file; parameters without an uncertainty are taken as exact to one part in a million.
-    pub(crate) fn new(file: &ModelFile, law: LawKind) -> Result<Self, String> {
-        let values = file.law_values()?;
-        let n = values.len();
-        let floor: Vec<f64> = values
-            .iter()
-            .zip(law.parameters())
-            .map(|(v, spec)| 1e-6 * v.abs().max(1e-3 * spec.typical.abs()))
-            .collect();
-        let mut covariance = match &file.covariance {
-            Some(c) => DMatrix::from_fn(n, n, |i, j| c[i][j]),
-            None => DMatrix::from_fn(n, n, |i, j| {
-                if i == j {
-                    file.parameters[i].sd.unwrap_or(0.0).powi(2)
-                } else {
-                    0.0
-                }
-            }),
-        };
-        for i in 0..n {
-            covariance[(i, i)] += floor[i] * floor[i];
-        }
-        // Scaled to a correlation matrix first: parameters differ by powers of ten.
-        let sd: Vec<f64> = (0..n).map(|i| covariance[(i, i)].sqrt()).collect();
-        let correlation = DMatrix::from_fn(n, n, |i, j| {
-            covariance[(i, j)] / (sd[i] * sd[j]) + if i == j { 1e-9 } else { 0.0 }
-        });
-        let factor = Cholesky::new(correlation)
-            .ok_or_else(|| "the model's covariance is not positive definite".to_owned())?;
-        let scaled = DMatrix::from_fn(n, n, |i, j| if i == j { 1.0 / sd[i] } else { 0.0 });
-        let root = factor
-            .l()
-            .solve_lower_triangular(&scaled)
-            .ok_or_else(|| "the model's covariance cannot be inverted".to_owned())?;
-        Ok(Self { values, root })
-    }
-}
-
-/// Runs that are looked at; the others keep their commands and hide their force.
-#[derive(Clone)]
-pub(crate) struct Subset {
-    pub(crate) runs: Vec<usize>,
-    /// Places of each run among the rows.
-    ranges: Vec<Range<usize>>,
-    rows: Vec<usize>,
-    /// Weight of each row, where rows have weights.
-    weight: Option<DVector<f64>>,
-    whole: bool,
-}
-
-impl Subset {
-    pub(crate) fn new(bench: &Bench<'_>, runs: Vec<usize>) -> Self {
-        let mut rows: Vec<usize> = Vec::new();
-        let mut ranges = Vec::new();
-        let mut kept = Vec::new();
-        for k in runs {
-            let start = rows.len();
-            rows.extend(bench.samples.runs[k].clone().filter(|&i| !bench.masked[i]));
-            if rows.len() > start {
-                ranges.push(start..rows.len());
-                kept.push(k);
-            }
-        }
-        let whole = rows.len() == bench.samples.len();
-        let weight = bench.samples.weight.as_ref();
-        Self {
-            runs: kept,
-            ranges,
-            weight: weight.map(|w| DVector::from_iterator(rows.len(), rows.iter().map(|&i| w[i]))),
-            rows,
-            whole,
-        }
-    }
-
-    pub(crate) fn all(bench: &Bench<'_>) -> Self {
-        Self::new(bench, (0..bench.samples.runs.len()).collect())
-    }
-
-    /// Number of samples looked at.
-    pub(crate) fn len(&self) -> usize {
-        self.rows.len()
-    }
-
-    /// A stacked series at the rows that are looked at, times their weights.
-    pub(crate) fn gather(&self, stacked: &[f64]) -> DVector<f64> {
-        let mut own =
-            DVector::from_iterator(self.rows.len(), self.rows.iter().map(|&i| stacked[i]));
-        if let Some(weight) = &self.weight {
-            own.component_mul_assign(weight);
-        }
-        own
-    }
-
-    /// The same of columns.
-    pub(crate) fn gather_columns(&self, stacked: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut own = if self.whole {
-            stacked.clone()
-        } else {
-            stacked.select_rows(&self.rows)
-        };
-        if let Some(weight) = &self.weight {
-            for mut column in own.column_iter_mut() {
-                column.component_mul_assign(weight);
-            }
-        }
-        own
-    }
-
-    /// The noise's context of these runs.
-    pub(crate) fn context(&self, bench: &Bench<'_>, scale: &[f64]) -> Context {
-        let pick = |x: &[f64]| self.rows.iter().map(|&i| x[i]).collect::<Vec<f64>>();
-        Context {
-            runs: self.ranges.clone(),
-            sliding: pick(&bench.samples.sliding),
-            place: pick(&bench.samples.place),
-            scale: self.gather(scale).as_slice().to_vec(),
-            ring: Vec::new(),
-            rows: bench.samples.averaged_at(&self.rows),
-        }
-    }
-
-    /// The noise's context beside a fit: on a cord roughness reaches the record through the cord's resonance, which averaged
-    /// samples do not show.
-    pub(crate) fn context_of(&self, bench: &Bench<'_>, fitted: &Fitted) -> Context {
-        let mut context = self.context(bench, fitted.friction(bench));
-        if self.weight.is_some() {
-            return context;
-        }
-        context.ring = self
-            .runs
-            .iter()
-            .map(|&k| {
-                let held = fitted
-                    .model
-                    .coupling(&bench.experiment, k, &fitted.parameters);
-                let slope = fitted
-                    .model
-                    .steady_slope(&bench.experiment, k, &fitted.parameters);
-                let run = &bench.experiment.runs[k];
-                let span = run.time_s.last()? - run.time_s.first()?;
-                let step = span / (run.len() - 1).max(1) as f64;
-                Ring::new(
-                    held.mass,
-                    held.compliance,
-                    held.damping + slope.max(0.0),
-                    step,
-                )
-            })
-            .collect();
-        context
-    }
-
-    /// The samples of these runs.
-    pub(crate) fn samples(&self, bench: &Bench<'_>) -> Samples {
-        if self.whole {
-            return bench.samples.clone();
-        }
-        bench.samples.select(&self.ranges, &self.rows)
-    }
 }
 
 /// A law with effects, fitted to the runs of a subset.
@@ -276,39 +107,6 @@ struct Problem<'a> {
     measured: DVector<f64>,
 }
 
-/// Appends the prior's pseudo-observations (value less parameter) to a whitened residual (measured less predicted).
-fn with_prior_rows(prior: Option<&Prior>, white: DVector<f64>, parameters: &[f64]) -> DVector<f64> {
-    let Some(prior) = prior else { return white };
-    let extra = prior.values.len();
-    let shift = DVector::from_iterator(
-        extra,
-        prior.values.iter().zip(parameters).map(|(v, p)| v - p),
-    );
-    let n = white.len();
-    let mut out = white.resize_vertically(n + extra, 0.0);
-    out.rows_mut(n, extra).copy_from(&(&prior.root * shift));
-    out
-}
-
-/// Appends the prior's rows to whitened columns that belong to these parameters (`None`: not a law parameter).
-pub(crate) fn append_prior(
-    prior: Option<&Prior>,
-    whitened: DMatrix<f64>,
-    parameters: &[Option<usize>],
-) -> DMatrix<f64> {
-    let Some(prior) = prior else { return whitened };
-    let (n, p) = whitened.shape();
-    let extra = prior.values.len();
-    let mut out = whitened.resize_vertically(n + extra, 0.0);
-    for (c, column) in parameters.iter().enumerate().take(p) {
-        if let Some(k) = column.filter(|k| *k < extra) {
-            out.view_mut((n, c), (extra, 1))
-                .copy_from(&prior.root.column(k));
-        }
-    }
-    out
-}
-
 impl Residuals for Problem<'_> {
     fn residuals(&self, parameters: &[f64]) -> DVector<f64> {
         let predicted = self.model.predict(&self.bench.experiment, parameters);
@@ -362,9 +160,10 @@ impl<'a> Bench<'a> {
     pub(crate) fn model(&self, effects: &[usize]) -> Option<Model> {
         let effects = effects.iter().map(|&i| self.catalogue[i].boxed()).collect();
         let model = Model::new(self.law, effects, &self.experiment).ok()?;
-        Some(match self.samples.weight {
-            Some(_) => model.with_steps_a_sample(STEPS_A_ROW),
-            None => model,
+        Some(if self.samples.averaged.is_empty() {
+            model
+        } else {
+            model.with_steps_a_sample(STEPS_A_ROW)
         })
     }
 
@@ -424,8 +223,7 @@ impl<'a> Bench<'a> {
     /// The same questions to a condensed record.
     pub(crate) fn condensed<'c>(&self, short: &'c Condensed) -> Bench<'c> {
         let mut samples = Samples::new(&short.campaign);
-        samples.weight = Some(short.weight.clone());
-        samples.averaged = short.averaged();
+        samples.averaged = short.averaged.clone();
         let mut experiment = Experiment::new(&short.campaign).expect("what moves goes on moving");
         for (run, own) in experiment.runs.iter_mut().zip(&self.experiment.runs) {
             run.started_s = own.started_s;
@@ -606,6 +404,41 @@ impl<'a> Bench<'a> {
     }
 }
 
+/// How likely a fit is under given sizes of the noise.
+struct Likelihood {
+    /// Whitening without the scatter between runs.
+    whitener: Whitener,
+    white_gains: DMatrix<f64>,
+    /// Whitened residual with the prior's rows.
+    white: DVector<f64>,
+    /// -2 log likelihood, the scatter between runs at its likeliest.
+    deviance: f64,
+}
+
+impl Likelihood {
+    fn of(bench: &Bench<'_>, subset: &Subset, fitted: &Fitted, sizes: Sizes) -> Self {
+        let context = subset.context_of(bench, fitted);
+        let inner = Sizes {
+            scatter: 0.0,
+            ..sizes
+        };
+        let whitener = Whitener::new(&context, &inner);
+        let prior = bench.prior.as_ref();
+        let gains = gain_matrix(&context);
+        let white_gains = append_prior(prior, whitener.whiten_columns(&gains), &[]);
+        let residual =
+            subset.gather(&bench.experiment.measured_n) - subset.gather(&fitted.prediction);
+        let white = with_prior_rows(prior, whitener.whiten(&residual), &fitted.parameters);
+        let deviance = whitener.log_det() + scatter_deviance(&white_gains, &white);
+        Self {
+            whitener,
+            white_gains,
+            white,
+            deviance,
+        }
+    }
+}
+
 /// A fit with its noise, ready to be asked about further effects.
 pub(crate) struct Stand {
     pub(crate) fitted: Fitted,
@@ -629,12 +462,12 @@ pub(crate) struct Stand {
 impl Stand {
     /// A fit under given sizes of the noise (their scatter is only the fit's; the tests integrate over it).
     pub(crate) fn new(bench: &Bench<'_>, subset: &Subset, fitted: Fitted, sizes: Sizes) -> Self {
-        let context = subset.context_of(bench, &fitted);
-        let inner = Sizes {
-            scatter: 0.0,
-            ..sizes
-        };
-        let whitener = Whitener::new(&context, &inner);
+        let Likelihood {
+            whitener,
+            white_gains,
+            white,
+            deviance,
+        } = Likelihood::of(bench, subset, &fitted, sizes);
         let (jacobian, columns) = bench.jacobian(subset, &fitted);
         let owners: Vec<Option<usize>> = columns.iter().map(|&c| Some(c)).collect();
         let prior = bench.prior.as_ref();
@@ -643,13 +476,7 @@ impl Stand {
             whitener.whiten_columns(&subset.gather_columns(&jacobian)),
             &owners,
         );
-        let gains = gain_matrix(&context);
-        let white_gains = append_prior(prior, whitener.whiten_columns(&gains), &[]);
-        let residual =
-            subset.gather(&bench.experiment.measured_n) - subset.gather(&fitted.prediction);
-        let white = with_prior_rows(prior, whitener.whiten(&residual), &fitted.parameters);
         let prior_rows = prior.map_or(0, |p| p.values.len());
-        let deviance = whitener.log_det() + scatter_deviance(&white_gains, &white);
         let ground = Ground::new(&white_jacobian, &white_gains, &white);
         Self {
             fitted,
@@ -663,6 +490,11 @@ impl Stand {
             prior_rows,
             deviance,
         }
+    }
+
+    /// -2 log likelihood of the fit under other sizes of the noise.
+    pub(crate) fn deviance_with(&self, bench: &Bench<'_>, subset: &Subset, sizes: Sizes) -> f64 {
+        Likelihood::of(bench, subset, &self.fitted, sizes).deviance
     }
 
     /// The ground with each residual drawn towards zero by half a step of the force channel: what rounding may have made is

@@ -29,10 +29,8 @@ const ROWS_OF_A_RUN: usize = 32;
 pub(crate) struct Condensed {
     /// The campaign, rows in the place of samples.
     pub(crate) campaign: Campaign,
-    /// Root of the number of samples behind each row.
-    pub(crate) weight: Vec<f64>,
-    /// Distance slid between neighbouring samples of each row, m.
-    step: Vec<f64>,
+    /// What each row is the mean of.
+    pub(crate) averaged: Vec<Averaged>,
     /// Rows with a sample that says nothing.
     pub(crate) masked: Vec<bool>,
     /// Largest root mean square deviation from a straight line within a row, of the largest speed and of the force's own
@@ -41,25 +39,15 @@ pub(crate) struct Condensed {
 }
 
 impl Condensed {
-    /// What each row is the mean of.
-    pub(crate) fn averaged(&self) -> Vec<Averaged> {
-        let rows = self.weight.iter().zip(&self.step);
-        rows.map(|(w, &step)| Averaged {
-            samples: (w * w).round(),
-            step,
-        })
-        .collect()
-    }
-
     /// Means over the rows of a series of all samples.
     pub(crate) fn means(&self, all: &[f64]) -> Vec<f64> {
         let mut at = 0;
-        let mean = |w: &f64| {
+        let mean = |row: &Averaged| {
             let from = at;
-            at += (w * w).round() as usize;
+            at += row.samples as usize;
             all[from..at].iter().sum::<f64>() / (at - from) as f64
         };
-        self.weight.iter().map(mean).collect()
+        self.averaged.iter().map(mean).collect()
     }
 
     /// What the reader should know.
@@ -68,8 +56,10 @@ impl Condensed {
             "causes were searched on {} rows, means of up to {:.0} neighbouring samples of the {} recorded; within a row the record \
              keeps to a straight line within {:.1e} of its size; faster oscillations were not searched; the last fit and all \
              errors use every sample",
-            self.weight.len(),
-            self.weight.iter().fold(1.0_f64, |m, w| m.max(w * w)),
+            self.averaged.len(),
+            self.averaged
+                .iter()
+                .fold(1.0_f64, |m, row| m.max(row.samples)),
             samples.len(),
             self.tolerance,
         )
@@ -89,8 +79,7 @@ pub(crate) fn condense(
     let tolerance = tolerance(&trees);
     let mut out = Condensed {
         campaign: campaign.clone(),
-        weight: Vec::new(),
-        step: Vec::new(),
+        averaged: Vec::new(),
         masked: Vec::new(),
         tolerance,
     };
@@ -98,10 +87,11 @@ pub(crate) fn condense(
         let range = samples.runs[k].clone();
         let rows = trees[k].rows(tolerance);
         for row in &rows {
-            out.weight.push((row.len() as f64).sqrt());
             let slid = &samples.sliding[range.start + row.start..range.start + row.end];
-            out.step
-                .push((slid[row.len() - 1] - slid[0]) / (row.len() - 1).max(1) as f64);
+            out.averaged.push(Averaged {
+                samples: row.len() as f64,
+                step: (slid[row.len() - 1] - slid[0]) / (row.len() - 1).max(1) as f64,
+            });
             let hidden = masked[range.start + row.start..range.start + row.end].iter();
             out.masked.push(hidden.into_iter().any(|m| *m));
         }
@@ -322,18 +312,26 @@ mod tests {
         let campaign = refined(10);
         let (samples, short) = condensed(&campaign);
         let short = short.expect("36,000 samples are many");
-        assert!(short.weight.len() <= ROWS, "{} rows", short.weight.len());
-        let counted: f64 = short.weight.iter().map(|w| w * w).sum();
+        assert!(
+            short.averaged.len() <= ROWS,
+            "{} rows",
+            short.averaged.len()
+        );
+        let counted: f64 = short.averaged.iter().map(|row| row.samples).sum();
         assert!((counted - samples.len() as f64).abs() < 1e-6 * counted);
         let forces = short.campaign.runs.iter().flat_map(|r| &r.force_n);
-        let sum: f64 = forces.zip(&short.weight).map(|(f, w)| f * w * w).sum();
+        let sum: f64 = forces
+            .zip(&short.averaged)
+            .map(|(f, row)| f * row.samples)
+            .sum();
         let all: f64 = samples.force.iter().sum();
         assert!((sum - all).abs() < 1e-9 * all.abs().max(1.0));
         // both ends of a run stand for themselves
         let mut at = 0;
         for run in &short.campaign.runs {
             let end = at + run.time_s.len();
-            assert_eq!([short.weight[at], short.weight[end - 1]], [1.0, 1.0]);
+            let ends = [at, end - 1].map(|i| short.averaged[i].samples);
+            assert_eq!(ends, [1.0, 1.0]);
             at = end;
         }
     }
@@ -345,7 +343,7 @@ mod tests {
         let (samples, short) = condensed(&campaign);
         let short = short.expect("36,000 samples are many");
         let options = crate::Options::default();
-        let recorded = crate::diagnose::bench(&campaign, &options).expect("a shipped campaign");
+        let recorded = crate::prepare::bench(&campaign, &options).expect("a shipped campaign");
         let mut rows = recorded.condensed(&short);
         let law = [0.5, 0.62, 1.5, 0.1, 0.01, 1.5, -0.3];
         let fitted = |bench: &Bench<'_>| {
@@ -394,13 +392,9 @@ mod tests {
         let short = short.expect("36,000 samples are many");
         let coarse = predicted(&short.campaign);
         let size = (fine.iter().map(|f| f * f).sum::<f64>() / fine.len() as f64).sqrt();
-        let (mut at, mut worst) = (0, 0.0_f64);
-        for (row, weight) in short.weight.iter().enumerate() {
-            let count = (weight * weight).round() as usize;
-            let mean = fine[at..at + count].iter().sum::<f64>() / count as f64;
-            let off = (mean - coarse[row]).abs() / size;
-            worst = worst.max(off);
-            at += count;
+        let mut worst = 0.0_f64;
+        for (mean, row) in short.means(&fine).iter().zip(&coarse) {
+            worst = worst.max((mean - row).abs() / size);
         }
         assert!(
             worst > 0.0 && worst < 1.5 * short.tolerance,

@@ -8,13 +8,15 @@ use campaign::{Campaign, InitialState};
 use fitting::noise::Sizes;
 
 use crate::answer::{Design, Hidden, NoiseFloor};
-use crate::bench::{Fitted, Stand, Subset};
-use crate::diagnose::{DiagnosisError, Options, bench};
+use crate::bench::{Fitted, Stand};
+use crate::diagnose::{DiagnosisError, Options};
 use crate::equivalence::sine;
 use crate::floor;
 use crate::intervals::unit_on_rig;
+use crate::prepare::bench;
 use crate::scan::scan_nominal;
 use crate::selection::ALPHA_NAME;
+use crate::subset::Subset;
 use crate::tail::equivalent_z;
 use crate::ties;
 

@@ -9,23 +9,23 @@ use crate::answer::{
     Baseline, Diagnosis, Estimate, Evidence, Finding, Hidden, LawFit, Rival, Status, Undecidable,
     Unexplained,
 };
-use crate::bench::{Bench, Fitted, Prior, Stand, Subset};
-use crate::causes;
+use crate::bench::{Bench, Fitted, Stand};
 use crate::condense::{Condensed, condense};
 use crate::equivalence::{Contest, contest};
 use crate::excerpt::Excerpt;
-use crate::experiment::{Hypothesis, Proposal, propose};
+use crate::experiment::{Hypothesis, propose};
 use crate::floor;
 use crate::gain;
 use crate::integrity::{Integrity, inspect};
 use crate::intervals;
 use crate::laws;
+use crate::prepare::bench;
 use crate::probability::weight_of_set;
 use crate::refusal::{refuse_beaten, take_all_back};
-use crate::samples::Samples;
 use crate::selection::{
     ALPHA_GENERAL, ALPHA_NAME, Depth, SHAPE_TOLERANCE, Selected, law_alone, select,
 };
+use crate::subset::Subset;
 use crate::tail::equivalent_z;
 use crate::ties;
 use crate::whole::{Whole, of_all_samples};
@@ -96,117 +96,6 @@ pub struct Curves {
     pub extended: Vec<f64>,
     /// Half width of the 95 % noise band about a prediction.
     pub band: Vec<f64>,
-}
-
-/// The law that is used where none is asked for.
-#[must_use]
-pub fn default_law(campaign: &Campaign) -> LawKind {
-    if campaign.specimen.layout.is_some() && campaign.specimen.contact_height_m.is_some() {
-        LawKind::AsymmetricBristle
-    } else {
-        LawKind::Lugre
-    }
-}
-
-/// Prepares the bench of a campaign and a question.
-pub(crate) fn bench<'a>(
-    campaign: &'a Campaign,
-    options: &Options,
-) -> Result<Bench<'a>, DiagnosisError> {
-    let law = match (&options.model, options.law) {
-        (Some(file), asked) => {
-            let own = file.law_kind().map_err(DiagnosisError::ModelFile)?;
-            if asked.is_some_and(|law| law != own) {
-                return Err(DiagnosisError::ModelFile(format!(
-                    "it holds law {}, --law asks for another",
-                    own.id()
-                )));
-            }
-            own
-        }
-        (None, Some(law)) => law,
-        (None, None) => default_law(campaign),
-    };
-    let mut experiment = Experiment::new(campaign)?;
-    rig::Model::new(law, Vec::new(), &experiment)?;
-    let prior = options
-        .model
-        .as_ref()
-        .map(|file| Prior::new(file, law).map_err(DiagnosisError::ModelFile))
-        .transpose()?;
-    let catalogue = causes::catalogue()
-        .into_iter()
-        .filter(|c| {
-            c.applies_to(law)
-                && c.lack(&experiment).is_none()
-                && !options.without.iter().any(|id| id == c.id())
-        })
-        .collect();
-    let stated_sensor = match (
-        campaign.rig.sensor_full_scale_n,
-        campaign.rig.sensor_accuracy_percent_fs,
-    ) {
-        (Some(full), Some(percent)) => Some(full * percent / 100.0),
-        _ => None,
-    };
-    // Clipped samples say nothing about the law: the flat top is a finding of its own.
-    let numbers = inspect(campaign, 0.0);
-    let masked = match numbers.saturation {
-        Some(level) => campaign
-            .runs
-            .iter()
-            .flat_map(|r| r.force_n.iter())
-            .map(|f| f.abs() >= level * (1.0 - 1e-9))
-            .collect(),
-        None => vec![false; campaign.runs.iter().map(|r| r.force_n.len()).sum()],
-    };
-    let mut samples = Samples::new(campaign);
-    if let Some(file) = &options.model {
-        take_extension_off(file, law, &mut experiment, &mut samples)?;
-    }
-    Ok(Bench {
-        campaign,
-        samples,
-        experiment,
-        law,
-        catalogue,
-        prior,
-        stated_sensor,
-        repeats: campaign.conditions().iter().any(|c| c.len() > 1),
-        masked,
-        step_n: numbers.resolution,
-    })
-}
-
-/// Takes what a model file's extension adds to the law's prediction off the record, so that only what is beyond it is
-/// asked for. The law stays within the file's covariance, so the two add up.
-fn take_extension_off(
-    file: &ModelFile,
-    law: LawKind,
-    experiment: &mut Experiment,
-    samples: &mut Samples,
-) -> Result<(), DiagnosisError> {
-    let extension = file
-        .extension_from(&causes::catalogue())
-        .map_err(DiagnosisError::ModelFile)?;
-    if extension.is_empty() {
-        return Ok(());
-    }
-    let values = file.law_values().map_err(DiagnosisError::ModelFile)?;
-    let plain = rig::Model::new(law, Vec::new(), experiment)?;
-    let (effects, own): (Vec<_>, Vec<_>) = extension.into_iter().unzip();
-    let extended = rig::Model::new(law, effects, experiment)?;
-    let mut p = values.clone();
-    p.extend(own.into_iter().flatten());
-    p.resize(extended.parameters().len(), 0.0);
-    let with = extended.predict(experiment, &p);
-    let without = plain.predict(experiment, &plain.at_null(&values, experiment));
-    for i in 0..with.len() {
-        let added = with[i] - without[i];
-        experiment.measured_n[i] -= added;
-        samples.force[i] -= added;
-    }
-    Ok(())
 }
 
 /// Diagnoses a campaign.
@@ -342,41 +231,33 @@ fn complete(
         let Some(opponent) = contest.opponents.iter().find_map(|o| o.fitted.as_ref()) else {
             continue;
         };
-        let proposal = propose(
-            bench,
-            &selected.stand.sizes,
-            &Hypothesis {
-                effects: &selected.stand.fitted.effects,
-                parameters: &selected.stand.fitted.parameters,
-            },
-            &Hypothesis {
-                effects: &opponent.effects,
-                parameters: &opponent.parameters,
-            },
-        );
-        if let Some(finding) = answer.findings.iter_mut().find(|f| f.cause == id)
-            && !finding.equivalent.is_empty()
-        {
-            let causes: Vec<String> = std::iter::once(finding.cause.clone())
-                .chain(finding.equivalent.iter().cloned())
-                .collect();
-            let by_a_run = |p: Proposal| {
-                format!(
-                    "{} (the two would differ by {:.0} standard deviations)",
-                    p.text, p.distance
-                )
-            };
-            let text = ties::beyond_runs(&causes)
-                .map(Into::into)
-                .or_else(|| proposal.map(by_a_run))
-                .unwrap_or_else(|| "none of the runs that were considered".to_owned());
-            answer.undecidable.push(Undecidable {
-                causes,
-                because: "this campaign's fits cannot tell them apart".into(),
-                experiment: text.clone(),
-            });
-            finding.experiment = Some(text);
-        }
+        let named = answer.findings.iter_mut().find(|f| f.cause == id);
+        let Some(finding) = named.filter(|f| !f.equivalent.is_empty()) else {
+            continue;
+        };
+        let causes: Vec<String> = std::iter::once(finding.cause.clone())
+            .chain(finding.equivalent.iter().cloned())
+            .collect();
+        let text = ties::decisive(&causes, || {
+            propose(
+                bench,
+                &selected.stand.sizes,
+                &Hypothesis {
+                    effects: &selected.stand.fitted.effects,
+                    parameters: &selected.stand.fitted.parameters,
+                },
+                &Hypothesis {
+                    effects: &opponent.effects,
+                    parameters: &opponent.parameters,
+                },
+            )
+        });
+        answer.undecidable.push(Undecidable {
+            causes,
+            because: "this campaign's fits cannot tell them apart".into(),
+            experiment: text.clone(),
+        });
+        finding.experiment = Some(text);
     }
     let of_the_design = ties::ties(bench, &selected.baseline, &selected.first, scatter);
     for tie in of_the_design {

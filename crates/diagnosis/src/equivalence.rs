@@ -16,10 +16,11 @@ use std::sync::OnceLock;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use crate::bench::{Bench, Fitted, Stand, Subset};
+use crate::bench::{Bench, Fitted, Stand};
 use crate::ground::{Ground, orthonormal};
 use crate::scan::{Ray, Scan, extended, scan_without};
 use crate::selection::{is_dear, without};
+use crate::subset::Subset;
 
 /// Distance below which no test separates two causes.
 pub(crate) const SEPARABLE: f64 = 4.7;

@@ -23,6 +23,16 @@ pub(crate) struct Proposal {
     pub(crate) distance: f64,
 }
 
+impl std::fmt::Display for Proposal {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { text, distance } = self;
+        write!(
+            f,
+            "{text} (the two would differ by {distance:.0} standard deviations)"
+        )
+    }
+}
+
 /// A hypothesis: causes by catalogue place with the whole parameter vector of the model.
 pub(crate) struct Hypothesis<'a> {
     pub(crate) effects: &'a [usize],

@@ -56,7 +56,7 @@ fn squares_in(
             continue;
         }
         // A row counts as often as it stands for samples.
-        let weight = samples.weight.as_ref().map_or(1.0, |w| w[i]);
+        let weight = samples.weight(i);
         sum += (weight * (samples.force[i] - prediction[i]) / load).powi(2);
         count += weight * weight;
     }

@@ -17,11 +17,12 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::answer::Gain;
-use crate::bench::{Bench, Subset};
+use crate::bench::Bench;
 use crate::floor;
 use crate::ground::orthonormal;
 use crate::intervals::student;
 use crate::selection::{Depth, Selected, Warm, law_alone, select, without};
+use crate::subset::Subset;
 use crate::whole::Whole;
 
 /// Scrambled extensions that a gain must beat.

@@ -5,10 +5,11 @@ use rayon::prelude::*;
 use rig::Model;
 
 use crate::answer::LawFit;
-use crate::bench::{Bench, Subset, gain_matrix, scatter_deviance};
+use crate::bench::{Bench, gain_matrix, scatter_deviance};
 use crate::floor;
 use crate::samples::Samples;
 use crate::selection::Selected;
+use crate::subset::Subset;
 use crate::whole::Whole;
 
 /// Fits of all laws alone, best first; laws that do not go with the campaign are left out.

@@ -26,12 +26,16 @@ mod intervals;
 mod laws;
 mod left;
 mod marks;
+mod peaks;
 mod periodic;
+mod prepare;
+mod prior;
 mod probability;
 mod refusal;
 mod samples;
 mod scan;
 mod selection;
+mod subset;
 mod tail;
 mod ties;
 mod uniform;
@@ -39,6 +43,5 @@ mod whole;
 
 pub use answer::{Design, Diagnosis, Finding, Status};
 pub use design::design;
-pub use diagnose::{
-    Curves, Diagnosed, DiagnosisError, Options, default_law, diagnose, diagnose_fully,
-};
+pub use diagnose::{Curves, Diagnosed, DiagnosisError, Options, diagnose, diagnose_fully};
+pub use prepare::default_law;

@@ -1,10 +1,11 @@
 //! When names are taken back: a refusal beats a wrong name.
 
-use crate::bench::{Bench, Stand, Subset};
+use crate::bench::{Bench, Stand};
 use crate::equivalence::{Contest, Opponent};
 use crate::general::{self, Lack};
 use crate::left::lack;
 use crate::selection::{ALPHA_GENERAL, ALPHA_NAME, MOST_EFFECTS, Selected};
+use crate::subset::Subset;
 use crate::uniform::is_uniform;
 
 /// Where something is left that nothing explains, causes stay named only if they explain this share of all of it.

@@ -30,9 +30,7 @@ pub(crate) struct Samples {
     pub(crate) temperature: Option<Vec<f64>>,
     /// Whether every run has a load (then results are coefficients).
     pub(crate) loaded: bool,
-    /// Root of the number of recorded samples that a row stands for, where it stands for several.
-    pub(crate) weight: Option<Vec<f64>>,
-    /// What each row is the mean of, where rows stand for several samples.
+    /// What each row is the mean of, where rows stand for several samples; else empty.
     pub(crate) averaged: Vec<Averaged>,
 }
 
@@ -58,7 +56,6 @@ impl Samples {
                 .all(|r| r.temperature_c.is_some())
                 .then(Vec::new),
             loaded,
-            weight: None,
             averaged: Vec::new(),
         };
         for (k, run) in campaign.runs.iter().enumerate() {
@@ -112,6 +109,11 @@ impl Samples {
         &self.heading
     }
 
+    /// Weight of a row: the root of the number of recorded samples that it stands for.
+    pub(crate) fn weight(&self, row: usize) -> f64 {
+        self.averaged.get(row).map_or(1.0, |row| row.samples.sqrt())
+    }
+
     /// What the rows are means of; nothing where they are samples.
     pub(crate) fn averaged_at(&self, rows: &[usize]) -> Vec<Averaged> {
         match self.averaged.as_slice() {
@@ -139,7 +141,6 @@ impl Samples {
             force: pick(&self.force),
             temperature: self.temperature.as_deref().map(pick),
             loaded: self.loaded,
-            weight: self.weight.as_deref().map(pick),
             averaged: self.averaged_at(rows),
         }
     }

@@ -9,11 +9,11 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 use rig::Model;
 
-use crate::bench::{Bench, Fitted, Stand, Subset};
+use crate::bench::{Bench, Fitted, Stand};
 use crate::ground::{Direction, Score, angle, look_elsewhere};
-use crate::periodic::Family;
-use crate::samples::Samples;
+use crate::peaks::{Peaks, longest};
 use crate::selection::is_dear;
+use crate::subset::Subset;
 
 /// A cause with the shape at which it scores best.
 #[derive(Clone)]
@@ -30,12 +30,12 @@ pub(crate) struct Candidate {
 }
 
 /// One signature of a cause, all samples.
-struct Signature {
+pub(crate) struct Signature {
     cause: usize,
     /// Cause's parameters at which it was taken.
     at: Vec<f64>,
     /// Raw columns.
-    columns: DMatrix<f64>,
+    pub(crate) columns: DMatrix<f64>,
     /// Size that one unit of the first column stands for, where it is a chord.
     chord: Option<Vec<f64>>,
 }
@@ -118,7 +118,12 @@ pub(crate) fn extended(
 }
 
 /// Signature of a cause at given shape (its sizes at zero).
-fn tangent(bench: &Bench<'_>, fitted: &Fitted, cause: usize, at: &[f64]) -> Option<Signature> {
+pub(crate) fn tangent(
+    bench: &Bench<'_>,
+    fitted: &Fitted,
+    cause: usize,
+    at: &[f64],
+) -> Option<Signature> {
     let (model, p) = extended(bench, fitted, cause, at)?;
     let first = fitted.model.initial_states().start;
     let columns: Vec<usize> = bench.catalogue[cause]
@@ -158,7 +163,7 @@ const MOST_CHORDS: usize = 8;
 const MOST_SHAPES: usize = 16;
 
 /// Index of a periodic cause's shape parameter, and whether its period is in time.
-fn period(bench: &Bench<'_>, cause: usize) -> Option<(usize, bool)> {
+pub(crate) fn period(bench: &Bench<'_>, cause: usize) -> Option<(usize, bool)> {
     let effect = &bench.catalogue[cause];
     let specs = effect.parameters_for(&bench.experiment);
     let shape = (0..specs.len()).find(|i| !effect.sizes().contains(i))?;
@@ -489,162 +494,4 @@ fn smooth_columns(bench: &Bench<'_>, signatures: &[Signature]) -> DMatrix<f64> {
     } else {
         DMatrix::from_columns(&columns)
     }
-}
-
-/// Lines in the residual, for each periodic cause.
-struct Peaks {
-    /// Cause, frequencies (1/m or Hz), path length of the search.
-    found: Vec<(usize, Vec<f64>, f64)>,
-}
-
-/// Lines of a cause that are looked at closely.
-const MOST_LINES: usize = 5;
-
-impl Peaks {
-    fn none() -> Self {
-        Self { found: Vec::new() }
-    }
-
-    fn find(bench: &Bench<'_>, subset: &Subset, stand: &Stand, scatter: f64) -> Self {
-        let causes: Vec<usize> = (0..bench.catalogue.len())
-            .filter(|c| bench.catalogue[*c].is_periodic() && !stand.fitted.effects.contains(c))
-            .collect();
-        if causes.is_empty() {
-            return Self::none();
-        }
-        let samples = subset.samples(bench);
-        let solved = stand.ground.solved_residual(scatter);
-        let free = stand.ground.project_vector(&solved);
-        let g = stand
-            .whitener
-            .whiten_transposed(&free.rows(0, subset.len()).into_owned());
-        let variance = |columns: &DMatrix<f64>| {
-            let white = stand.whitener.whiten_columns(columns);
-            let n = white.nrows();
-            stand
-                .ground
-                .mean_power(&white.resize_vertically(n + stand.prior_rows, 0.0), scatter)
-        };
-        let found = causes
-            .iter()
-            .filter_map(|&cause| {
-                let (shape, in_time) = period(bench, cause)?;
-                let coordinate = if in_time {
-                    &samples.time
-                } else {
-                    &samples.place
-                };
-                let (span, step) = (
-                    longest(&samples, coordinate),
-                    widest_step(&samples, coordinate),
-                );
-                if !(span > 0.0) || !(step > 0.0) {
-                    return None;
-                }
-                let (along, across) =
-                    envelope(bench, subset, stand, cause, shape, coordinate, span)?;
-                let family = Family {
-                    coordinate,
-                    along: &along,
-                    across: &across,
-                    // Lines closer than two samples of the fastest motion are aliases of slow ones there.
-                    // Slower ones than two in a run are no period.
-                    band: (2.0 / span, 0.45 / step),
-                    spacing: 0.5 / span,
-                };
-                let path = family.path();
-                let mut lines: Vec<(f64, f64)> = family
-                    .peaks(&g, &variance, 2 * MOST_LINES)
-                    .into_iter()
-                    .map(|peak| (peak.statistic, peak.frequency))
-                    .collect();
-                lines.sort_by(|a, b| b.0.total_cmp(&a.0));
-                let mut chosen: Vec<f64> = Vec::new();
-                for (_, frequency) in lines {
-                    let new = chosen.iter().all(|f| (f - frequency).abs() > 0.25 / span);
-                    if new && chosen.len() < MOST_LINES {
-                        chosen.push(frequency);
-                    }
-                }
-                Some((cause, chosen, path))
-            })
-            .collect();
-        Self { found }
-    }
-
-    fn of(&self, cause: usize) -> &[f64] {
-        self.found
-            .iter()
-            .find(|f| f.0 == cause)
-            .map_or(&[], |f| f.1.as_slice())
-    }
-
-    fn path(&self, cause: usize) -> f64 {
-        self.found
-            .iter()
-            .find(|f| f.0 == cause)
-            .map_or(0.0, |f| f.2)
-    }
-}
-
-/// Longest stretch of a coordinate in one run.
-fn longest(samples: &Samples, x: &[f64]) -> f64 {
-    samples
-        .runs
-        .iter()
-        .map(|r| {
-            let (lo, hi) = r
-                .clone()
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), i| {
-                    (a.min(x[i]), b.max(x[i]))
-                });
-            hi - lo
-        })
-        .fold(0.0_f64, f64::max)
-}
-
-/// The step of a coordinate from sample to sample that nineteen in twenty do not exceed.
-fn widest_step(samples: &Samples, x: &[f64]) -> f64 {
-    let mut steps: Vec<f64> = samples
-        .runs
-        .iter()
-        .flat_map(|r| (r.start + 1..r.end).map(|i| (x[i] - x[i - 1]).abs()))
-        .filter(|s| *s > 0.0)
-        .collect();
-    steps.sort_by(f64::total_cmp);
-    steps.get(steps.len() * 19 / 20).copied().unwrap_or(0.0)
-}
-
-/// What a periodic cause's ripple multiplies: its tangent at a middling period, turned back by the ripple's own phase,
-/// in phase and a quarter of a period behind.
-fn envelope(
-    bench: &Bench<'_>,
-    subset: &Subset,
-    stand: &Stand,
-    cause: usize,
-    shape: usize,
-    coordinate: &[f64],
-    span: f64,
-) -> Option<(Vec<f64>, Vec<f64>)> {
-    let effect = &bench.catalogue[cause];
-    let specs = effect.parameters_for(&bench.experiment);
-    let in_time = specs[shape].name.ends_with("_hz");
-    let frequency = 30.0 / span;
-    let mut at = vec![0.0; specs.len()];
-    let value: f64 = if in_time { frequency } else { 1.0 / frequency };
-    at[shape] = value.clamp(specs[shape].lower, specs[shape].upper);
-    let frequency = if in_time { at[shape] } else { 1.0 / at[shape] };
-    let signature = tangent(bench, &stand.fitted, cause, &at)?;
-    let columns = subset.gather_columns(&signature.columns);
-    if columns.ncols() < 2 {
-        return None;
-    }
-    let turned_back = |(i, x): (usize, &f64)| {
-        let (s, c) = (std::f64::consts::TAU * frequency * x).sin_cos();
-        (
-            columns[(i, 0)] * s + columns[(i, 1)] * c,
-            columns[(i, 0)] * c - columns[(i, 1)] * s,
-        )
-    };
-    Some(coordinate.iter().enumerate().map(turned_back).unzip())
 }

@@ -10,11 +10,12 @@ use fitting::noise::{Sizes, Whitener};
 use rayon::prelude::*;
 
 use crate::afresh::{afresh, is_strong};
-use crate::bench::{Bench, Fitted, Stand, Subset};
+use crate::bench::{Bench, Fitted, Stand};
 use crate::general::Lack;
 use crate::left::lack;
 use crate::refusal::take_back;
 use crate::scan::{Candidate, Scan, extended, scan, scan_without, smooth_beside};
+use crate::subset::Subset;
 
 /// Family-wise probability of naming a cause where there is none: half of the campaign's one percent.
 pub(crate) const ALPHA_NAME: f64 = 0.004;

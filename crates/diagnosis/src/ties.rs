@@ -6,7 +6,7 @@ use rig::Cause;
 use crate::answer::Undecidable;
 use crate::bench::{Bench, Stand};
 use crate::equivalence::sine;
-use crate::experiment::{Hypothesis, propose};
+use crate::experiment::{Hypothesis, Proposal, propose};
 use crate::scan::{Scan, extended};
 
 /// Two signatures closer than this (sine of their angle) are one: an effect of twenty times its threshold, d' = 94,
@@ -50,10 +50,8 @@ pub(crate) fn ties(
         if ids.len() < 2 {
             continue;
         }
-        let experiment = beyond_runs(&ids).map_or_else(
-            || break_tie(bench, stand, scan, causes[members[0]], causes[members[1]]),
-            Into::into,
-        );
+        let (a, b) = (causes[members[0]], causes[members[1]]);
+        let experiment = decisive(&ids, || break_tie(bench, stand, scan, a, b));
         out.push(Undecidable {
             because: why(bench, &ids),
             causes: ids,
@@ -120,10 +118,15 @@ fn absorbed_remedy(cause: &str) -> &'static str {
     }
 }
 
-/// What tells tied causes apart where the answer is no run with friction in it.
-pub(crate) fn beyond_runs(causes: &[String]) -> Option<&'static str> {
-    let gain = causes.iter().any(|id| id == "force-gain");
-    gain.then_some("calibrate the force channel with a weight")
+/// What would tell tied causes apart, in words: a gain needs no run with friction in it, else the run that is proposed.
+pub(crate) fn decisive(causes: &[String], proposed: impl FnOnce() -> Option<Proposal>) -> String {
+    if causes.iter().any(|id| id == "force-gain") {
+        return "calibrate the force channel with a weight".into();
+    }
+    proposed().map_or_else(
+        || "none of the runs that were considered".into(),
+        |proposal| proposal.to_string(),
+    )
 }
 
 /// Why a group is tied, in words.
@@ -140,7 +143,13 @@ fn why(bench: &Bench<'_>, ids: &[String]) -> String {
 }
 
 /// The run that separates two tied causes at a size of five times what the noise hides.
-fn break_tie(bench: &Bench<'_>, stand: &Stand, scan: &Scan, a: usize, b: usize) -> String {
+fn break_tie(
+    bench: &Bench<'_>,
+    stand: &Stand,
+    scan: &Scan,
+    a: usize,
+    b: usize,
+) -> Option<Proposal> {
     let sized = |cause: usize| -> Option<(Vec<usize>, Vec<f64>)> {
         let candidate = scan.candidates.iter().find(|c| c.cause == cause)?;
         let effect = &bench.catalogue[cause];
@@ -155,9 +164,7 @@ fn break_tie(bench: &Bench<'_>, stand: &Stand, scan: &Scan, a: usize, b: usize) 
         effects.push(cause);
         Some((effects, p))
     };
-    let (Some(x), Some(y)) = (sized(a), sized(b)) else {
-        return "none of the runs that were considered".into();
-    };
+    let (x, y) = (sized(a)?, sized(b)?);
     propose(
         bench,
         &stand.sizes,
@@ -168,15 +175,6 @@ fn break_tie(bench: &Bench<'_>, stand: &Stand, scan: &Scan, a: usize, b: usize) 
         &Hypothesis {
             effects: &y.0,
             parameters: &y.1,
-        },
-    )
-    .map_or_else(
-        || "none of the runs that were considered".into(),
-        |p| {
-            format!(
-                "{} (the two would differ by {:.0} standard deviations)",
-                p.text, p.distance
-            )
         },
     )
 }

@@ -12,8 +12,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::bench::{Bench, Stand, Subset};
+use crate::bench::{Bench, Stand};
 use crate::ground::orthonormal;
+use crate::subset::Subset;
 use crate::tail::log_chi2_tail;
 
 /// Bins of place and of time.

@@ -5,8 +5,9 @@ use std::sync::OnceLock;
 use fitting::noise::Whitener;
 use rig::Model;
 
-use crate::bench::{Bench, Fitted, Subset};
+use crate::bench::{Bench, Fitted};
 use crate::selection::{Selected, is_dear};
+use crate::subset::Subset;
 
 /// Steps of the last fit, which starts where the search ended; fewer where the mechanics are dear.
 const STEPS: u64 = 10;

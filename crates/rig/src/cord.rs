@@ -190,6 +190,16 @@ fn with_speeds<D: Scalar>(
     std::array::from_fn(|i| [z[i], q[i], compliance * slopes[i]])
 }
 
+/// The k-th component where the weights of the collocation polynomial read it between a step's start and its stages.
+fn weighted<D: Scalar>(w: &[f64; 4], from: &State<D>, stages: &[State<D>; 3], k: usize) -> D {
+    from[k] * w[0] + stages[0][k] * w[1] + stages[1][k] * w[2] + stages[2][k] * w[3]
+}
+
+/// Unknowns of Newton's iteration: deflections, then tensions, of the three stages.
+fn unknowns(stages: &[State<f64>; 3]) -> [f64; 6] {
+    std::array::from_fn(|i| stages[i % 3][i / 3])
+}
+
 /// Residuals of a step of size h from y0, three of z' = f and three of the balance of forces; `forces` holds z' and P at
 /// the stages.
 fn residual<D: Scalar>(
@@ -234,6 +244,15 @@ fn newton_matrix(coupling: &Coupling<f64>, h: f64, instants: &[Instant; 3]) -> [
         }
     }
     matrix
+}
+
+/// A step that is tried: of size h from the state y at time t.
+#[derive(Clone, Copy)]
+struct Trial<'s> {
+    stretch: &'s Stretch<f64>,
+    t: f64,
+    h: f64,
+    y: &'s State<f64>,
 }
 
 struct Solver<'a, D> {
@@ -324,10 +343,7 @@ impl<D: Scalar> Solver<'_, D> {
                     if s == 1.0 {
                         lifted[2][k]
                     } else {
-                        y[k] * w[0]
-                            + lifted[0][k] * w[1]
-                            + lifted[1][k] * w[2]
-                            + lifted[2][k] * w[3]
+                        weighted(&w, &y, &lifted, k)
                     }
                 };
                 out.push(at(1) + self.held.coupling.damping * at(2));
@@ -363,7 +379,8 @@ impl<D: Scalar> Solver<'_, D> {
                 allowed
             };
             let last_resort = h <= smallest * 1.01;
-            let Some((stages, factorised)) = self.newton(stretch, t, h, y) else {
+            let trial = Trial { stretch, t, h, y };
+            let Some((stages, factorised)) = self.newton(trial) else {
                 if last_resort {
                     return Err(IntegrationError::Diverged { time_s: t });
                 }
@@ -420,50 +437,36 @@ impl<D: Scalar> Solver<'_, D> {
         match &self.previous {
             Some((before, from, stages)) if h <= 2.0 * before => std::array::from_fn(|i| {
                 let w = collocation_weights(1.0 + C[i] * h / before);
-                std::array::from_fn(|k| {
-                    from[k] * w[0] + stages[0][k] * w[1] + stages[1][k] * w[2] + stages[2][k] * w[3]
-                })
+                std::array::from_fn(|k| weighted(&w, from, stages, k))
             }),
             _ => [*y; 3],
         }
     }
 
     /// Newton's iteration for the stages, from the continued polynomial and, failing that, from where the step begins.
-    fn newton(
-        &self,
-        stretch: &Stretch<f64>,
-        t: f64,
-        h: f64,
-        y: &State<f64>,
-    ) -> Option<([State<f64>; 3], Factorised<6>)> {
-        self.iterate(stretch, t, h, y, self.predict(h, y))
-            .or_else(|| self.iterate(stretch, t, h, y, [*y; 3]))
-            .or_else(|| self.descend(stretch, t, h, y))
+    fn newton(&self, trial: Trial<'_>) -> Option<([State<f64>; 3], Factorised<6>)> {
+        self.iterate(trial, self.predict(trial.h, trial.y))
+            .or_else(|| self.iterate(trial, [*trial.y; 3]))
+            .or_else(|| self.descend(trial))
     }
 
     /// Newton's iteration with its steps cut until the residual falls. A static law sticks by a sign that turns within a small
     /// share of the speed: whole steps leap from side to side of it.
-    fn descend(
-        &self,
-        stretch: &Stretch<f64>,
-        t: f64,
-        h: f64,
-        y: &State<f64>,
-    ) -> Option<([State<f64>; 3], Factorised<6>)> {
+    fn descend(&self, trial: Trial<'_>) -> Option<([State<f64>; 3], Factorised<6>)> {
         let weigh = |r: &[f64; 6]| -> f64 {
             let part = |i: usize| (r[i] / self.size[i / 3]).powi(2);
             (0..6).map(part).sum::<f64>()
         };
-        let mut at = [y[0], y[0], y[0], y[1], y[1], y[1]];
-        let (mut instants, mut r) = self.balance(stretch, t, h, y, &at);
+        let mut at = unknowns(&[*trial.y; 3]);
+        let (mut instants, mut r) = self.balance(trial, &at);
         for _ in 0..DESCENT_LIMIT {
-            let factorised = Factorised::new(newton_matrix(&self.coupling, h, &instants))?;
+            let factorised = Factorised::new(newton_matrix(&self.coupling, trial.h, &instants))?;
             let change = factorised.solve(&r);
             let now = weigh(&r);
             let mut share = 1.0;
             let largest = loop {
                 let next: [f64; 6] = std::array::from_fn(|i| at[i] - share * change[i]);
-                let (there, left) = self.balance(stretch, t, h, y, &next);
+                let (there, left) = self.balance(trial, &next);
                 if weigh(&left) < now || share < SHORTEST {
                     (at, instants, r) = (next, there, left);
                     let moved = |i: usize| (share * change[i] / self.size[i / 3]).abs();
@@ -475,27 +478,22 @@ impl<D: Scalar> Solver<'_, D> {
                 return None;
             }
             if share == 1.0 && largest <= NEWTON_TOLERANCE {
-                let (z, q) = ([at[0], at[1], at[2]], [at[3], at[4], at[5]]);
-                return Some((
-                    with_speeds(self.coupling.compliance, h, y, &z, &q),
-                    factorised,
-                ));
+                return Some((self.stages(trial, &at), factorised));
             }
         }
         None
     }
 
-    /// The law at the stages and the residuals there, unknowns being (z_1, z_2, z_3, q_1, q_2, q_3).
-    fn balance(
-        &self,
-        stretch: &Stretch<f64>,
-        t: f64,
-        h: f64,
-        y: &State<f64>,
-        at: &[f64; 6],
-    ) -> ([Instant; 3], [f64; 6]) {
+    /// Stages of a trial at the unknowns (z_1, z_2, z_3, q_1, q_2, q_3).
+    fn stages(&self, trial: Trial<'_>, at: &[f64; 6]) -> [State<f64>; 3] {
         let (z, q) = ([at[0], at[1], at[2]], [at[3], at[4], at[5]]);
-        let stages = with_speeds(self.coupling.compliance, h, y, &z, &q);
+        with_speeds(self.coupling.compliance, trial.h, trial.y, &z, &q)
+    }
+
+    /// The law at the stages and the residuals there.
+    fn balance(&self, trial: Trial<'_>, at: &[f64; 6]) -> ([Instant; 3], [f64; 6]) {
+        let Trial { stretch, t, h, y } = trial;
+        let stages = self.stages(trial, at);
         let instants: [Instant; 3] =
             std::array::from_fn(|i| Instant::at(&self.law, stretch, t + C[i] * h, &stages[i]));
         let forces = [
@@ -509,16 +507,13 @@ impl<D: Scalar> Solver<'_, D> {
 
     fn iterate(
         &self,
-        stretch: &Stretch<f64>,
-        t: f64,
-        h: f64,
-        y: &State<f64>,
+        trial: Trial<'_>,
         stages: [State<f64>; 3],
     ) -> Option<([State<f64>; 3], Factorised<6>)> {
-        let mut at: [f64; 6] = std::array::from_fn(|i| stages[i % 3][i / 3]);
+        let mut at = unknowns(&stages);
         for _ in 0..NEWTON_LIMIT {
-            let (instants, r) = self.balance(stretch, t, h, y, &at);
-            let factorised = Factorised::new(newton_matrix(&self.coupling, h, &instants))?;
+            let (instants, r) = self.balance(trial, &at);
+            let factorised = Factorised::new(newton_matrix(&self.coupling, trial.h, &instants))?;
             let change = factorised.solve(&r);
             let mut largest: f64 = 0.0;
             for i in 0..6 {
@@ -529,9 +524,7 @@ impl<D: Scalar> Solver<'_, D> {
                 return None;
             }
             if largest <= NEWTON_TOLERANCE {
-                let (z, q) = ([at[0], at[1], at[2]], [at[3], at[4], at[5]]);
-                let stages = with_speeds(self.coupling.compliance, h, y, &z, &q);
-                return Some((stages, factorised));
+                return Some((self.stages(trial, &at), factorised));
             }
         }
         None

@@ -189,12 +189,6 @@ impl Book {
         Ok(looked)
     }
 
-    /// Problems without a certified stride.
-    pub fn gaps(&self) -> impl Iterator<Item = Name> {
-        let open = |e: &&Entry| !e.is_certified();
-        self.entries.iter().filter(open).map(|e| e.name)
-    }
-
     /// The certified strides within `reach` of an entry that it has not started from yet, the nearest first.
     fn starts(&self, place: usize, reach: usize) -> Vec<(Source, Start)> {
         let entry = &self.entries[place];

@@ -3,40 +3,16 @@
 use biped::contact::Brush;
 use biped::gait::catalogue::{Kind, Mount, Name};
 use biped::gait::chain::{Case, Outcome, solve_all};
+use biped::gait::file::{Search, StridesFile};
 use biped::gait::layout::Layout;
 use biped::gait::{Goal, Problem};
 use biped::parameters::Biped;
-use serde::Deserialize;
 use trajectory::{Options, Start as Point};
 
 use crate::stage::StageError;
 
 /// Steps that a solve may take from a start that is already near.
 const MAX_ITERATIONS: usize = 30;
-
-/// One start: the name of a problem and a vector of its variables.
-#[derive(Clone, Debug, Deserialize)]
-struct Start {
-    #[serde(flatten)]
-    name: Name,
-    #[serde(flatten)]
-    search: Option<Search>,
-    x: Vec<f64>,
-}
-
-/// What the search that made the starts knows of one of them.
-#[derive(Clone, Copy, Debug, Deserialize)]
-pub(super) struct Search {
-    /// Starts from which it ended in this stride.
-    pub(super) found: usize,
-    /// Starts from which it solved the problem.
-    pub(super) tried: usize,
-}
-
-#[derive(Deserialize)]
-struct File {
-    starts: Vec<Start>,
-}
 
 /// A solved stride with the name of its problem.
 #[derive(Clone, Debug)]
@@ -63,7 +39,7 @@ pub(super) fn solve(
     brush: Brush,
     wanted: impl Fn(&Name) -> bool,
 ) -> Result<Vec<Solved>, StageError> {
-    let file: File = serde_json::from_str(STARTS)
+    let file: StridesFile = serde_json::from_str(STARTS)
         .map_err(|error| StageError::Failed(format!("data/strides.json: {error}")))?;
     let (names, cases): (Vec<(Name, Option<Search>)>, Vec<Case>) = file
         .starts

@@ -1,0 +1,167 @@
+//! Lines in a residual: the periods and frequencies at which a periodic cause is looked at closely.
+
+use nalgebra::DMatrix;
+
+use crate::bench::{Bench, Stand};
+use crate::periodic::Family;
+use crate::samples::Samples;
+use crate::scan::{period, tangent};
+use crate::subset::Subset;
+
+/// Lines in the residual, for each periodic cause.
+pub(crate) struct Peaks {
+    /// Cause, frequencies (1/m or Hz), path length of the search.
+    pub(crate) found: Vec<(usize, Vec<f64>, f64)>,
+}
+
+/// Lines of a cause that are looked at closely.
+const MOST_LINES: usize = 5;
+
+impl Peaks {
+    pub(crate) fn none() -> Self {
+        Self { found: Vec::new() }
+    }
+
+    pub(crate) fn find(bench: &Bench<'_>, subset: &Subset, stand: &Stand, scatter: f64) -> Self {
+        let causes: Vec<usize> = (0..bench.catalogue.len())
+            .filter(|c| bench.catalogue[*c].is_periodic() && !stand.fitted.effects.contains(c))
+            .collect();
+        if causes.is_empty() {
+            return Self::none();
+        }
+        let samples = subset.samples(bench);
+        let solved = stand.ground.solved_residual(scatter);
+        let free = stand.ground.project_vector(&solved);
+        let g = stand
+            .whitener
+            .whiten_transposed(&free.rows(0, subset.len()).into_owned());
+        let variance = |columns: &DMatrix<f64>| {
+            let white = stand.whitener.whiten_columns(columns);
+            let n = white.nrows();
+            stand
+                .ground
+                .mean_power(&white.resize_vertically(n + stand.prior_rows, 0.0), scatter)
+        };
+        let found = causes
+            .iter()
+            .filter_map(|&cause| {
+                let (shape, in_time) = period(bench, cause)?;
+                let coordinate = if in_time {
+                    &samples.time
+                } else {
+                    &samples.place
+                };
+                let (span, step) = (
+                    longest(&samples, coordinate),
+                    widest_step(&samples, coordinate),
+                );
+                if !(span > 0.0) || !(step > 0.0) {
+                    return None;
+                }
+                let (along, across) =
+                    envelope(bench, subset, stand, cause, shape, coordinate, span)?;
+                let family = Family {
+                    coordinate,
+                    along: &along,
+                    across: &across,
+                    // Lines closer than two samples of the fastest motion are aliases of slow ones there.
+                    // Slower ones than two in a run are no period.
+                    band: (2.0 / span, 0.45 / step),
+                    spacing: 0.5 / span,
+                };
+                let path = family.path();
+                let mut lines: Vec<(f64, f64)> = family
+                    .peaks(&g, &variance, 2 * MOST_LINES)
+                    .into_iter()
+                    .map(|peak| (peak.statistic, peak.frequency))
+                    .collect();
+                lines.sort_by(|a, b| b.0.total_cmp(&a.0));
+                let mut chosen: Vec<f64> = Vec::new();
+                for (_, frequency) in lines {
+                    let new = chosen.iter().all(|f| (f - frequency).abs() > 0.25 / span);
+                    if new && chosen.len() < MOST_LINES {
+                        chosen.push(frequency);
+                    }
+                }
+                Some((cause, chosen, path))
+            })
+            .collect();
+        Self { found }
+    }
+
+    pub(crate) fn of(&self, cause: usize) -> &[f64] {
+        self.found
+            .iter()
+            .find(|f| f.0 == cause)
+            .map_or(&[], |f| f.1.as_slice())
+    }
+
+    pub(crate) fn path(&self, cause: usize) -> f64 {
+        self.found
+            .iter()
+            .find(|f| f.0 == cause)
+            .map_or(0.0, |f| f.2)
+    }
+}
+
+/// Longest stretch of a coordinate in one run.
+pub(crate) fn longest(samples: &Samples, x: &[f64]) -> f64 {
+    samples
+        .runs
+        .iter()
+        .map(|r| {
+            let (lo, hi) = r
+                .clone()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), i| {
+                    (a.min(x[i]), b.max(x[i]))
+                });
+            hi - lo
+        })
+        .fold(0.0_f64, f64::max)
+}
+
+/// The step of a coordinate from sample to sample that nineteen in twenty do not exceed.
+fn widest_step(samples: &Samples, x: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = samples
+        .runs
+        .iter()
+        .flat_map(|r| (r.start + 1..r.end).map(|i| (x[i] - x[i - 1]).abs()))
+        .filter(|s| *s > 0.0)
+        .collect();
+    steps.sort_by(f64::total_cmp);
+    steps.get(steps.len() * 19 / 20).copied().unwrap_or(0.0)
+}
+
+/// What a periodic cause's ripple multiplies: its tangent at a middling period, turned back by the ripple's own phase,
+/// in phase and a quarter of a period behind.
+fn envelope(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    cause: usize,
+    shape: usize,
+    coordinate: &[f64],
+    span: f64,
+) -> Option<(Vec<f64>, Vec<f64>)> {
+    let effect = &bench.catalogue[cause];
+    let specs = effect.parameters_for(&bench.experiment);
+    let in_time = specs[shape].name.ends_with("_hz");
+    let frequency = 30.0 / span;
+    let mut at = vec![0.0; specs.len()];
+    let value: f64 = if in_time { frequency } else { 1.0 / frequency };
+    at[shape] = value.clamp(specs[shape].lower, specs[shape].upper);
+    let frequency = if in_time { at[shape] } else { 1.0 / at[shape] };
+    let signature = tangent(bench, &stand.fitted, cause, &at)?;
+    let columns = subset.gather_columns(&signature.columns);
+    if columns.ncols() < 2 {
+        return None;
+    }
+    let turned_back = |(i, x): (usize, &f64)| {
+        let (s, c) = (std::f64::consts::TAU * frequency * x).sin_cos();
+        (
+            columns[(i, 0)] * s + columns[(i, 1)] * c,
+            columns[(i, 0)] * c - columns[(i, 1)] * s,
+        )
+    };
+    Some(coordinate.iter().enumerate().map(turned_back).unzip())
+}

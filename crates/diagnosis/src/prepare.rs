@@ -1,0 +1,123 @@
+//! From a campaign and a question to the bench: the law, the catalogue, what a model file knows, samples that say nothing.
+
+use campaign::Campaign;
+use friction::LawKind;
+use rig::{Experiment, ModelFile};
+
+use crate::bench::Bench;
+use crate::causes;
+use crate::diagnose::{DiagnosisError, Options};
+use crate::integrity::inspect;
+use crate::prior::Prior;
+use crate::samples::Samples;
+
+/// The law that is used where none is asked for.
+#[must_use]
+pub fn default_law(campaign: &Campaign) -> LawKind {
+    if campaign.specimen.layout.is_some() && campaign.specimen.contact_height_m.is_some() {
+        LawKind::AsymmetricBristle
+    } else {
+        LawKind::Lugre
+    }
+}
+
+/// Prepares the bench of a campaign and a question.
+pub(crate) fn bench<'a>(
+    campaign: &'a Campaign,
+    options: &Options,
+) -> Result<Bench<'a>, DiagnosisError> {
+    let law = match (&options.model, options.law) {
+        (Some(file), asked) => {
+            let own = file.law_kind().map_err(DiagnosisError::ModelFile)?;
+            if asked.is_some_and(|law| law != own) {
+                return Err(DiagnosisError::ModelFile(format!(
+                    "it holds law {}, --law asks for another",
+                    own.id()
+                )));
+            }
+            own
+        }
+        (None, Some(law)) => law,
+        (None, None) => default_law(campaign),
+    };
+    let mut experiment = Experiment::new(campaign)?;
+    rig::Model::new(law, Vec::new(), &experiment)?;
+    let prior = options
+        .model
+        .as_ref()
+        .map(|file| Prior::new(file, law).map_err(DiagnosisError::ModelFile))
+        .transpose()?;
+    let catalogue = causes::catalogue()
+        .into_iter()
+        .filter(|c| {
+            c.applies_to(law)
+                && c.lack(&experiment).is_none()
+                && !options.without.iter().any(|id| id == c.id())
+        })
+        .collect();
+    let stated_sensor = match (
+        campaign.rig.sensor_full_scale_n,
+        campaign.rig.sensor_accuracy_percent_fs,
+    ) {
+        (Some(full), Some(percent)) => Some(full * percent / 100.0),
+        _ => None,
+    };
+    // Clipped samples say nothing about the law: the flat top is a finding of its own.
+    let numbers = inspect(campaign, 0.0);
+    let masked = match numbers.saturation {
+        Some(level) => campaign
+            .runs
+            .iter()
+            .flat_map(|r| r.force_n.iter())
+            .map(|f| f.abs() >= level * (1.0 - 1e-9))
+            .collect(),
+        None => vec![false; campaign.runs.iter().map(|r| r.force_n.len()).sum()],
+    };
+    let mut samples = Samples::new(campaign);
+    if let Some(file) = &options.model {
+        take_extension_off(file, law, &mut experiment, &mut samples)?;
+    }
+    Ok(Bench {
+        campaign,
+        samples,
+        experiment,
+        law,
+        catalogue,
+        prior,
+        stated_sensor,
+        repeats: campaign.conditions().iter().any(|c| c.len() > 1),
+        masked,
+        step_n: numbers.resolution,
+    })
+}
+
+/// Takes what a model file's extension adds to the law's prediction off the record, so that only what is beyond it is
+/// asked for. The law stays within the file's covariance, so the two add up.
+fn take_extension_off(
+    file: &ModelFile,
+    law: LawKind,
+    experiment: &mut Experiment,
+    samples: &mut Samples,
+) -> Result<(), DiagnosisError> {
+    let extension = file
+        .extension_from(&causes::catalogue())
+        .map_err(DiagnosisError::ModelFile)?;
+    if extension.is_empty() {
+        return Ok(());
+    }
+    let values = file.law_values().map_err(DiagnosisError::ModelFile)?;
+    let plain = rig::Model::new(law, Vec::new(), experiment)?;
+    let (effects, own): (Vec<_>, Vec<_>) = extension.into_iter().unzip();
+    let extended = rig::Model::new(law, effects, experiment)?;
+    let mut p = values.clone();
+    p.extend(own.into_iter().flatten());
+    p.resize(extended.parameters().len(), 0.0);
+    let with = extended.predict(experiment, &p);
+    let without = plain.predict(experiment, &plain.at_null(&values, experiment));
+    for i in 0..with.len() {
+        let added = with[i] - without[i];
+        experiment.measured_n[i] -= added;
+        samples.force[i] -= added;
+    }
+    Ok(())
+}
