@@ -3,6 +3,7 @@
 //! No dependencies, so that the first answer to `cargo xtask help` takes a second. What plants effects lives in packages
 //! that the program may not depend on: those verbs are separate programs; everything else is `bristle`.
 
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 /// Which program answers: package, binary, and how many words it does not need to see.
@@ -15,6 +16,16 @@ fn program(arguments: &[String]) -> (&'static str, &'static str, usize) {
     }
 }
 
+/// Where the release build of a program will lie.
+fn release_build(binary: &str) -> PathBuf {
+    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../target"),
+        PathBuf::from,
+    );
+    let name = format!("{binary}{}", std::env::consts::EXE_SUFFIX);
+    target.join("release").join(name)
+}
+
 fn main() -> ExitCode {
     let mut arguments: Vec<String> = std::env::args().skip(1).collect();
     if arguments.is_empty() {
@@ -22,21 +33,15 @@ fn main() -> ExitCode {
     }
     let (package, binary, known) = program(&arguments);
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let build = [
-        "run",
-        "--quiet",
-        "--release",
-        "--package",
-        package,
-        "--bin",
-        binary,
-        "--",
-    ];
-    match Command::new(cargo)
-        .args(build)
-        .args(&arguments[known..])
-        .status()
-    {
+    let mut run = Command::new(cargo);
+    run.args(["run", "--release", "--package", package, "--bin", binary]);
+    if release_build(binary).exists() {
+        run.arg("--quiet");
+    } else {
+        // The first build takes minutes: the reader sees it go on.
+        eprintln!("xtask: building {binary} for the first time, libraries included");
+    }
+    match run.arg("--").args(&arguments[known..]).status() {
         // A signal leaves no code: report it as "no result could be written".
         Ok(status) => ExitCode::from(
             status
