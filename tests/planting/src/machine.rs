@@ -80,13 +80,14 @@ fn rest_before(rig: &Rig, run: &RunPlan, history: &mut History) {
     }
 }
 
-/// What a run does to the specimen: reverse sliding bends the bristles lastingly, forward sliding straightens them.
+/// What a run does to the specimen: reverse sliding bends the bristles lastingly, forward sliding straightens them. A specimen
+/// that was turned round is slid the other way.
 fn bend_after(rig: &Rig, run: &RunPlan, history: &mut History) {
     for effect in &rig.effects {
         if let Effect::BristleSet { angle_rad, runs } = effect {
-            let goal = match run.direction {
-                "reverse" => *angle_rad,
-                "forward" => 0.0,
+            let goal = match (run.direction, run.specimen_turned) {
+                ("reverse", false) | ("forward", true) => *angle_rad,
+                ("forward", false) | ("reverse", true) => 0.0,
                 _ => history.bend_rad,
             };
             history.bend_rad += (goal - history.bend_rad) * (1.0 - (-1.0 / runs).exp());
