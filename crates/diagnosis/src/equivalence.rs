@@ -18,8 +18,9 @@ use rayon::prelude::*;
 
 use crate::bench::{Bench, Fitted, Stand};
 use crate::ground::{Ground, orthonormal};
+use crate::look_back::without;
 use crate::scan::{Ray, Scan, extended, scan_without};
-use crate::selection::{is_dear, without};
+use crate::selection::is_dear;
 use crate::subset::Subset;
 
 /// Distance below which no test separates two causes.

@@ -21,7 +21,8 @@ use crate::bench::Bench;
 use crate::floor;
 use crate::ground::orthonormal;
 use crate::intervals::student;
-use crate::selection::{Depth, Selected, Warm, law_alone, select, without};
+use crate::look_back::without;
+use crate::selection::{Depth, Selected, Warm, law_alone, select};
 use crate::subset::Subset;
 use crate::whole::Whole;
 

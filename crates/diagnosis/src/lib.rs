@@ -25,6 +25,7 @@ mod integrity;
 mod intervals;
 mod laws;
 mod left;
+mod look_back;
 mod marks;
 mod peaks;
 mod periodic;

@@ -13,6 +13,7 @@ use crate::afresh::{afresh, is_strong};
 use crate::bench::{Bench, Fitted, Stand};
 use crate::general::Lack;
 use crate::left::lack;
+use crate::look_back::look_back;
 use crate::refusal::take_back;
 use crate::scan::{Candidate, Scan, extended, scan, scan_without, smooth_beside};
 use crate::subset::Subset;
@@ -26,7 +27,7 @@ const MOST_SAMPLES_AFRESH: usize = 15_000;
 /// Where this many causes together are needed, none is named: one cause outside the catalogue is likelier than so many in it.
 pub(crate) const MOST_EFFECTS: usize = 4;
 /// Joint fits tried in each round.
-const SURVIVORS: usize = 6;
+pub(crate) const SURVIVORS: usize = 6;
 /// A catalogue's shape is taken to be right to this share of an effect's amplitude: less than its square of what is
 /// explained may be the wrong shape of a named cause, and is no ground for naming another.
 pub(crate) const SHAPE_TOLERANCE: f64 = 0.15;
@@ -95,7 +96,7 @@ impl Selected {
 }
 
 /// Scatter between runs that is likeliest beside the fitted model.
-fn likely_scatter(stand: &Stand) -> f64 {
+pub(crate) fn likely_scatter(stand: &Stand) -> f64 {
     stand.ground.likeliest_scatter()
 }
 
@@ -153,7 +154,7 @@ fn refit(bench: &Bench<'_>, subset: &Subset, fitted: &Fitted, sizes: &Sizes) -> 
 }
 
 /// Joint fits of the stand's model with each candidate, from the candidate's starts; best first under the stand's noise.
-fn joint_fits(
+pub(crate) fn joint_fits(
     bench: &Bench<'_>,
     subset: &Subset,
     stand: &Stand,
@@ -252,7 +253,7 @@ pub(crate) fn search_price(bench: &Bench<'_>, cause: usize) -> f64 {
 }
 
 /// Candidates that deserve a joint fit: all that pass, and those that come near the best.
-fn survivors<'a>(
+pub(crate) fn survivors<'a>(
     bench: &Bench<'_>,
     found: &'a Scan,
     threshold: f64,
@@ -458,91 +459,4 @@ pub(crate) fn settle(
     let noise = bench.noise(subset, fit, &jacobian, &found.smooth, found.sizes);
     let fitted = refit(bench, subset, fit, &noise.sizes)?;
     Some(Stand::new(bench, subset, fitted, noise.sizes))
-}
-
-/// The near miss and the look back: one other cause alone against the pair, each cause against doing without.
-fn look_back(
-    bench: &Bench<'_>,
-    subset: &Subset,
-    pair: Stand,
-    singles: &[Single],
-    entry: &mut Vec<f64>,
-    threshold: f64,
-) -> Option<Stand> {
-    let count = pair.fitted.effects.len();
-    // One other cause alone: fitted singles under the pair's noise. A second cause must be worth its look-elsewhere.
-    let worth = -2.0 * threshold;
-    if count == 2 {
-        let mut best: Option<(f64, &Single)> = None;
-        for single in singles {
-            let context = subset.context_of(bench, &pair.fitted);
-            let whitener = pair.whitener.with_scatter(&context, pair.sizes.scatter);
-            let Some(fit) = bench.fit(
-                subset,
-                &single.fitted.effects,
-                &single.fitted.parameters,
-                &whitener,
-                None,
-                15,
-            ) else {
-                continue;
-            };
-            let deviance = pair.deviance_of(bench, subset, &fit);
-            if best.as_ref().is_none_or(|b| deviance < b.0) {
-                best = Some((deviance, single));
-            }
-        }
-        if let Some((deviance, single)) = best
-            && deviance < pair.deviance + worth
-        {
-            entry.truncate(1);
-            let found = Scan::empty(bench, Some(pair.sizes));
-            return settle(bench, subset, &single.fitted, &found);
-        }
-    }
-    drop_idle(bench, subset, pair, entry, worth)
-}
-
-/// Each cause against doing without it: the one that is missed least goes, as long as one is worth less than it must be.
-fn drop_idle(
-    bench: &Bench<'_>,
-    subset: &Subset,
-    mut stand: Stand,
-    entry: &mut Vec<f64>,
-    worth: f64,
-) -> Option<Stand> {
-    while stand.fitted.effects.len() > 1 {
-        let context = subset.context_of(bench, &stand.fitted);
-        let whitener = stand
-            .whitener
-            .with_scatter(&context, likely_scatter(&stand));
-        let mut least: Option<(f64, usize, Fitted)> = None;
-        for k in 0..stand.fitted.effects.len() {
-            let mut rest = stand.fitted.effects.clone();
-            rest.remove(k);
-            let start = without(&stand.fitted, k);
-            let Some(fit) = bench.fit(subset, &rest, &start, &whitener, None, 20) else {
-                continue;
-            };
-            let saved = stand.deviance_of(bench, subset, &fit) - stand.deviance;
-            if least.as_ref().is_none_or(|l| saved < l.0) {
-                least = Some((saved, k, fit));
-            }
-        }
-        let Some((_, k, fit)) = least.filter(|l| l.0 < worth) else {
-            break;
-        };
-        entry.remove(k.min(entry.len() - 1));
-        let found = Scan::empty(bench, Some(stand.sizes));
-        stand = settle(bench, subset, &fit, &found)?;
-    }
-    Some(stand)
-}
-
-/// Parameters of a fit with its k-th effect taken out.
-pub(crate) fn without(fitted: &Fitted, k: usize) -> Vec<f64> {
-    let span = fitted.model.span(k);
-    let mut p = fitted.parameters[..span.start].to_vec();
-    p.extend_from_slice(&fitted.parameters[span.end..]);
-    p
 }

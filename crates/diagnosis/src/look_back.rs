@@ -1,0 +1,164 @@
+//! What a further cause makes of the causes before it: one other cause alone may do as well as the pair, one may have become
+//! idle, and one may have been the best name only as long as its neighbour was missing.
+
+use crate::bench::{Bench, Fitted, Stand};
+use crate::scan::{Scan, scan};
+use crate::selection::{
+    SURVIVORS, Single, joint_fits, likely_scatter, search_price, settle, survivors,
+};
+use crate::subset::Subset;
+
+/// Exchanges of one cause for another in one look back.
+const MOST_EXCHANGES: usize = 3;
+/// Deviance that an exchange must save: parameters are paid for, and neither cause has the right of the first.
+const EXCHANGE: f64 = 1.0;
+
+/// The near miss, one other cause alone against the pair; each cause against another in its place; each against doing without.
+pub(crate) fn look_back(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    pair: Stand,
+    singles: &[Single],
+    entry: &mut Vec<f64>,
+    threshold: f64,
+) -> Option<Stand> {
+    let count = pair.fitted.effects.len();
+    // One other cause alone: fitted singles under the pair's noise. A second cause must be worth its look-elsewhere.
+    let worth = -2.0 * threshold;
+    if count == 2 {
+        let mut best: Option<(f64, &Single)> = None;
+        for single in singles {
+            let context = subset.context_of(bench, &pair.fitted);
+            let whitener = pair.whitener.with_scatter(&context, pair.sizes.scatter);
+            let Some(fit) = bench.fit(
+                subset,
+                &single.fitted.effects,
+                &single.fitted.parameters,
+                &whitener,
+                None,
+                15,
+            ) else {
+                continue;
+            };
+            let deviance = pair.deviance_of(bench, subset, &fit);
+            if best.as_ref().is_none_or(|b| deviance < b.0) {
+                best = Some((deviance, single));
+            }
+        }
+        if let Some((deviance, single)) = best
+            && deviance < pair.deviance + worth
+        {
+            entry.truncate(1);
+            let found = Scan::empty(bench, Some(pair.sizes));
+            return settle(bench, subset, &single.fitted, &found);
+        }
+    }
+    let best = exchange(bench, subset, pair, entry, threshold)?;
+    drop_idle(bench, subset, best, entry, worth)
+}
+
+/// Each cause of a set against every other that comes near in its place. The first cause was the best name for the sum of all
+/// that is wrong; beside its neighbours another may be.
+fn exchange(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    mut stand: Stand,
+    entry: &mut [f64],
+    threshold: f64,
+) -> Option<Stand> {
+    for _ in 0..MOST_EXCHANGES {
+        let own = |k: usize| search_price(bench, stand.fitted.effects[k]);
+        let mut best: Option<(f64, usize, Fitted, f64)> = None;
+        for k in 0..stand.fitted.effects.len() {
+            let Some((worth, fit, log_p)) = replacement(bench, subset, &stand, k, threshold) else {
+                continue;
+            };
+            let saved = stand.deviance + own(k) - worth;
+            if best.as_ref().is_none_or(|b| saved > b.0) {
+                best = Some((saved, k, fit, log_p));
+            }
+        }
+        let Some((_, k, fit, log_p)) = best.filter(|b| b.0 > EXCHANGE) else {
+            break;
+        };
+        let found = Scan::empty(bench, Some(stand.sizes));
+        stand = settle(bench, subset, &fit, &found)?;
+        // The newcomer stands last.
+        let last = entry.len() - 1;
+        entry[k.min(last)..].rotate_left(1);
+        entry[last] = log_p;
+    }
+    Some(stand)
+}
+
+/// The best other cause in the place of the k-th: deviance with its parameters paid for, fit, and tail probability.
+fn replacement(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    k: usize,
+    threshold: f64,
+) -> Option<(f64, Fitted, f64)> {
+    let mut rest = stand.fitted.effects.clone();
+    let own = rest.remove(k);
+    let scatter = likely_scatter(stand);
+    let context = subset.context_of(bench, &stand.fitted);
+    let whitener = stand.whitener.with_scatter(&context, scatter);
+    let start = without(&stand.fitted, k);
+    let fit = bench.fit(subset, &rest, &start, &whitener, None, 20)?;
+    let beside = Stand::new(bench, subset, fit, stand.sizes);
+    let found = scan(bench, subset, &beside, scatter);
+    let same = |cause: usize| bench.catalogue[cause].id() == bench.catalogue[own].id();
+    let mut asked = survivors(bench, &found, threshold, SURVIVORS);
+    asked.retain(|c| !same(c.cause));
+    let (cause, fit, deviance) = joint_fits(bench, subset, &beside, &asked, 2)
+        .into_iter()
+        .next()?;
+    let seen = found.candidates.iter().find(|c| c.cause == cause);
+    let worth = deviance + search_price(bench, cause);
+    Some((worth, fit, seen.map_or(0.0, |c| c.log_p)))
+}
+
+/// Each cause against doing without it: the one that is missed least goes, as long as one is worth less than it must be.
+fn drop_idle(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    mut stand: Stand,
+    entry: &mut Vec<f64>,
+    worth: f64,
+) -> Option<Stand> {
+    while stand.fitted.effects.len() > 1 {
+        let context = subset.context_of(bench, &stand.fitted);
+        let whitener = stand
+            .whitener
+            .with_scatter(&context, likely_scatter(&stand));
+        let mut least: Option<(f64, usize, Fitted)> = None;
+        for k in 0..stand.fitted.effects.len() {
+            let mut rest = stand.fitted.effects.clone();
+            rest.remove(k);
+            let start = without(&stand.fitted, k);
+            let Some(fit) = bench.fit(subset, &rest, &start, &whitener, None, 20) else {
+                continue;
+            };
+            let saved = stand.deviance_of(bench, subset, &fit) - stand.deviance;
+            if least.as_ref().is_none_or(|l| saved < l.0) {
+                least = Some((saved, k, fit));
+            }
+        }
+        let Some((_, k, fit)) = least.filter(|l| l.0 < worth) else {
+            break;
+        };
+        entry.remove(k.min(entry.len() - 1));
+        let found = Scan::empty(bench, Some(stand.sizes));
+        stand = settle(bench, subset, &fit, &found)?;
+    }
+    Some(stand)
+}
+
+/// Parameters of a fit with its k-th effect taken out.
+pub(crate) fn without(fitted: &Fitted, k: usize) -> Vec<f64> {
+    let span = fitted.model.span(k);
+    let mut p = fitted.parameters[..span.start].to_vec();
+    p.extend_from_slice(&fitted.parameters[span.end..]);
+    p
+}
