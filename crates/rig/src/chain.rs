@@ -82,22 +82,30 @@ impl<D: ChainScalar> Pass<'_, D> {
         });
 
         // stage: recorded velocity -> slip speed. A specimen turned round meets the plate the other way.
+        let corded = self.acts(Reach::Coupling) && run.in_contact();
+        let parts = if corded { 1 } else { self.parts(run) };
+        let refined = (parts > 1).then(|| run.refined(parts));
+        let motion = refined.as_ref().unwrap_or(run);
         let turn = if run.specimen_turned { -1.0 } else { 1.0 };
-        let mut velocity: Vec<D> = run.velocity_m_s.iter().map(|&v| D::constant(v)).collect();
-        self.in_place(Reach::Stage, run, &mut velocity, |velocity| Hook::Stage {
-            velocity,
+        let mut velocity: Vec<D> = motion
+            .velocity_m_s
+            .iter()
+            .map(|&v| D::constant(v))
+            .collect();
+        self.in_place(Reach::Stage, motion, &mut velocity, |velocity| {
+            Hook::Stage { velocity }
         });
         let curve_speed = self.acts(Reach::CurveSpeed).then(|| {
             let mut speed = velocity.clone();
-            self.in_place(Reach::CurveSpeed, run, &mut speed, |speed| {
+            self.in_place(Reach::CurveSpeed, motion, &mut speed, |speed| {
                 Hook::CurveSpeed { speed }
             });
             speed.iter_mut().for_each(|u| *u = u.magnitude());
             speed
         });
         let rest_gain = self.acts(Reach::RestGain).then(|| {
-            let mut gain = vec![D::constant(1.0); n];
-            self.in_place(Reach::RestGain, run, &mut gain, |gain| Hook::RestGain {
+            let mut gain = vec![D::constant(1.0); motion.len()];
+            self.in_place(Reach::RestGain, motion, &mut gain, |gain| Hook::RestGain {
                 gain,
             });
             gain
@@ -107,12 +115,12 @@ impl<D: ChainScalar> Pass<'_, D> {
         }
         let shaped = self.acts(Reach::Stage) || curve_speed.is_some() || rest_gain.is_some();
         let knots = if shaped {
-            &run.every_sample
+            &motion.every_sample
         } else {
-            &run.knots
+            &motion.knots
         };
         let record = Record {
-            time_s: &run.time_s,
+            time_s: &motion.time_s,
             velocity: &velocity,
             curve_speed: curve_speed.as_deref(),
             rest_gain: rest_gain.as_deref(),
@@ -121,7 +129,6 @@ impl<D: ChainScalar> Pass<'_, D> {
         let initial = self.model.initial_state(index, self.parameters);
 
         let mut coupling = Coupling::rigid();
-        let corded = self.acts(Reach::Coupling) && run.in_contact();
         if corded {
             self.couple(at, &mut coupling);
         }
@@ -136,6 +143,7 @@ impl<D: ChainScalar> Pass<'_, D> {
                     let coefficient = self.coefficients(&law, &record, initial)?;
                     let force: Vec<D> = coefficient
                         .iter()
+                        .step_by(parts)
                         .zip(&run.load_n)
                         .map(|(&mu, &load)| mu * (turn * load))
                         .collect();
@@ -198,6 +206,19 @@ impl<D: ChainScalar> Pass<'_, D> {
             force_n,
         });
         Ok(force)
+    }
+
+    /// Steps from sample to sample that the active effects ask for on a run.
+    fn parts(&self, run: &RunMotion) -> usize {
+        let effects = self.model.effects.iter().enumerate();
+        effects
+            .filter(|&(i, cause)| self.active[i] && cause.reach() == Reach::Stage)
+            .map(|(i, cause)| {
+                let own = &self.parameters[self.model.span(i)];
+                let values: Vec<f64> = own.iter().map(Scalar::value).collect();
+                cause.steps_a_sample(&values, run)
+            })
+            .fold(1, usize::max)
     }
 
     /// Effects that change a series in place, in the order of the stations.

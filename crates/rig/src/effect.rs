@@ -262,6 +262,12 @@ pub trait Cause: Hooks {
             .collect()
     }
 
+    /// Steps from sample to sample through which the contact must be carried to follow what the stage does at these fitted
+    /// parameters (1: the samples follow it).
+    fn steps_a_sample(&self, _p: &[f64], _run: &RunMotion) -> usize {
+        1
+    }
+
     /// [`Reach::Stage`]: turns the recorded velocity into the true one, in place.
     fn stage<D: Scalar>(&self, _p: &[D], _at: Place<'_>, _velocity: &mut [D])
     where

@@ -16,6 +16,7 @@ mod factorised;
 mod jacobian;
 mod model;
 mod model_file;
+mod refined;
 mod scales;
 pub mod signal;
 mod station;

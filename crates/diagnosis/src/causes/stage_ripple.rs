@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use friction::{ParameterSpec, Scalar};
-use rig::{Cause, Experiment, Place, Reach, Reported, Requirement, Station};
+use rig::{Cause, Experiment, Place, Reach, Reported, Requirement, RunMotion, Station};
 
 use super::{grids, periodic};
 
@@ -16,6 +16,11 @@ const PARAMETERS: &[ParameterSpec] = &[
     periodic::COS,
     ParameterSpec::new("pitch_m", "m", "pitch of the drive", 1e-9, 1e9, 1.0),
 ];
+
+/// Steps over a pitch: chords over a twelfth of a period make its amplitude 2 % small.
+const STEPS_A_PITCH: f64 = 12.0;
+/// Steps from sample to sample, at most.
+const MOST_STEPS: f64 = 16.0;
 
 impl Cause for StageRipple {
     fn id(&self) -> &'static str {
@@ -67,6 +72,10 @@ impl Cause for StageRipple {
 
     fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
         periodic::from_reported(reported, "pitch_m")
+    }
+
+    fn steps_a_sample(&self, p: &[f64], run: &RunMotion) -> usize {
+        (STEPS_A_PITCH * run.widest_step_m() / p[2]).ceil().clamp(1.0, MOST_STEPS) as usize
     }
 
     fn stage<D: Scalar>(&self, p: &[D], at: Place<'_>, velocity: &mut [D]) {
