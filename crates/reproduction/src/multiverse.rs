@@ -42,6 +42,19 @@ pub struct Worlds {
 }
 
 impl Worlds {
+    /// The same choices made for two sets of values at once; no result where one of the two has none.
+    #[must_use]
+    pub fn beside(mut self, other: Self) -> Self {
+        for (own, more) in self.values.iter_mut().zip(other.values) {
+            if own.is_empty() || more.is_empty() {
+                own.clear();
+            } else {
+                own.extend(more);
+            }
+        }
+        self
+    }
+
     /// As the artefact of a claim.
     ///
     /// # Errors

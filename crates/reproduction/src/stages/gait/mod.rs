@@ -6,6 +6,7 @@ mod figures;
 mod quality;
 mod strides;
 mod words;
+mod worlds;
 
 use biped::gait::STANDING;
 use biped::gait::catalogue::{
@@ -107,12 +108,11 @@ impl Stage for Gait {
                 .into(),
             );
         }
-        blocks.push(map(
-            &solved,
-            &targets,
-            published.value("gait.gain")?,
-            &mut output,
-        ));
+        let printed = Printed {
+            gain_percent: published.value("gait.gain")?,
+            speed_m_s: published.value("gait.best_speed.asymmetric")?,
+        };
+        blocks.extend(map(&solved, &targets, &printed, &mut output));
         impulses(&solved, &targets, &mut output);
         if !quick {
             blocks.extend(choices(&solved, &targets, &mut output));
@@ -123,6 +123,12 @@ impl Stage for Gait {
             extrapolation::figure(published, [brush.forward, brush.reverse], slip)?;
         blocks.push(figure.into());
         output.values.extend(values);
+        for (claim, worlds) in worlds::all(&solved, &targets, &output.values) {
+            let artefact = worlds.artefact(claim);
+            output
+                .artefacts
+                .extend([artefact.map_err(|error| StageError::Failed(error.to_string()))?]);
+        }
         quality::measure(&solved, &targets, &mut output);
         output.tables.push(quality::table(&solved));
         output
@@ -239,53 +245,82 @@ fn gain(solved: &[Solved], name: impl Fn(Mount) -> Name) -> Option<f64> {
     Some(100.0 * (asymmetric / symmetric - 1.0))
 }
 
-/// Gain over contact stiffness and loss at one weight, and the cells that break the order of the brushes.
-fn map(solved: &[Solved], targets: &Targets, printed_gain: f64, output: &mut StageOutput) -> Block {
+/// What the paper prints of the sweep, to be looked for on the map.
+struct Printed {
+    gain_percent: f64,
+    speed_m_s: f64,
+}
+
+/// Gain over contact stiffness and loss at one weight, the cells that break the order of the brushes, and where the printed
+/// numbers would lie.
+fn map(
+    solved: &[Solved],
+    targets: &Targets,
+    printed: &Printed,
+    output: &mut StageOutput,
+) -> Vec<Block> {
     let name = |k, c| move |mount: Mount| Name::compliant((k, c), mount, MAP_WEIGHT, targets.high);
     let mut cells = Vec::new();
+    // Gain and speed with the asymmetric brush where both strides are certified.
+    let mut found: Vec<(f64, f64)> = Vec::new();
     let mut disordered = 0;
     for k in STIFFNESSES {
         let mut row = Vec::new();
         for c in LOSSES {
+            let speed = |mount: Mount| {
+                let name = name(k, c)(mount);
+                let stride = certified(solved).find(|s| s.name == name)?;
+                Some(stride.outcome.motion.speed_m_s)
+            };
             let gain = gain(solved, name(k, c));
-            if let Some(gain) = gain {
+            if let (Some(gain), Some(speed)) = (gain, speed(Mount::Asymmetric)) {
+                let id = format!("gait.map.k-{k}.c-{c}");
+                output.values.push(value(id.clone(), gain, "percent"));
                 output
                     .values
-                    .push(value(format!("gait.map.k-{k}.c-{c}"), gain, "percent"));
+                    .push(value(format!("{id}.speed"), speed, "m/s"));
+                found.push((gain, speed));
             }
             let speeds: Option<Vec<f64>> = [Mount::Backwards, Mount::Symmetric, Mount::Asymmetric]
                 .into_iter()
-                .map(|mount| {
-                    let name = name(k, c)(mount);
-                    let found = certified(solved).find(|s| s.name == name)?;
-                    Some(found.outcome.motion.speed_m_s)
-                })
+                .map(speed)
                 .collect();
             disordered += usize::from(speeds.is_some_and(|s| s.windows(2).any(|w| w[0] >= w[1])));
             row.push(gain);
         }
         cells.push(row);
     }
-    let found: Vec<f64> = cells.iter().flatten().flatten().copied().collect();
-    if found.is_empty() {
-        return Block::notice(
+    let smallest = found.iter().map(|f| f.0).fold(f64::INFINITY, f64::min);
+    let Some(largest) = found.iter().max_by(|a, b| a.0.total_cmp(&b.0)).copied() else {
+        return vec![Block::notice(
             NoticeKind::Refusal,
             "No map of the gain",
             "In no cell of contact stiffness and loss do both strides carry a certificate, so no gain is claimed.",
-        );
-    }
-    let extreme = |start: f64, pick: fn(f64, f64) -> f64| found.iter().copied().fold(start, pick);
+        )];
+    };
+    let fastest = found.iter().max_by(|a, b| a.1.total_cmp(&b.1)).copied();
+    let fastest = fastest.unwrap_or(largest);
     for (id, number, unit) in [
         ("cells", found.len() as f64, "1"),
         ("disordered", disordered as f64, "1"),
-        ("smallest", extreme(f64::INFINITY, f64::min), "percent"),
-        ("largest", extreme(f64::NEG_INFINITY, f64::max), "percent"),
+        ("smallest", smallest, "percent"),
+        ("largest", largest.0, "percent"),
+        ("largest.speed", largest.1, "m/s"),
+        ("fastest", fastest.1, "m/s"),
+        ("fastest.gain", fastest.0, "percent"),
     ] {
         output
             .values
             .push(value(format!("gait.map.{id}"), number, unit));
     }
-    figures::map(&STIFFNESSES, &LOSSES, &cells, printed_gain).into()
+    vec![
+        figures::map(&STIFFNESSES, &LOSSES, &cells, printed.gain_percent).into(),
+        words::where_printed(
+            printed.gain_percent > largest.0,
+            printed.speed_m_s > fastest.1,
+            largest.1 < fastest.1,
+        ),
+    ]
 }
 
 /// Gain under each of the other choices that the paper leaves open.

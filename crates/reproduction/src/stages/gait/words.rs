@@ -8,6 +8,38 @@ fn has(values: &[Value], id: &str) -> bool {
         .any(|value| value.id == id && value.value.is_some())
 }
 
+/// Where the printed numbers lie on the map: whether gain and speed are beyond all of it, and whether the contact of the largest
+/// gain is slower than the fastest.
+pub(super) fn where_printed(gain_beyond: bool, speed_beyond: bool, opposed: bool) -> Block {
+    let gain = if gain_beyond {
+        "beyond every cell of the map, so the paper's contact must lose more speed in a stance than any of them, or its strides \
+         are local minima of other kinds"
+    } else {
+        "among the cells of the map"
+    };
+    let speed = if speed_beyond {
+        "faster than any cell: that takes less loss, wider limits of reach or rate, or stronger joints than printed"
+    } else {
+        "within what the cells reach"
+    };
+    let together = if opposed {
+        " What raises the gain lowers the speed, so both printed numbers at once ask for something that neither stiffness nor loss \
+         gives: legs that are stronger or reach farther, on ground that loses more; or a stride that need not end as fast as it began."
+    } else {
+        ""
+    };
+    Block::notice(
+        NoticeKind::Finding,
+        "Where the printed numbers lie, and what they would need",
+        format!(
+            "The largest gain on the map, {{{{ v(\"gait.map.largest\", 3) }}}}, comes with \
+             {{{{ v(\"gait.map.largest.speed\", 3) }}}}; the fastest cell reaches {{{{ v(\"gait.map.fastest\", 3) }}}} and gains \
+             {{{{ v(\"gait.map.fastest.gain\", 3) }}}}. The printed gain of {{{{ published(\"gait.gain\") }}}} lies {gain}. The \
+             printed speed of {{{{ published(\"gait.best_speed.asymmetric\") }}}} is {speed}.{together}"
+        ),
+    )
+}
+
 /// The chapter around the figures.
 pub(super) fn section(figures: Vec<Block>, values: &[Value], quick: bool) -> Section {
     let mut blocks = figures;

@@ -70,10 +70,10 @@ pub(crate) fn axes() -> Vec<(String, Vec<String>)> {
     .collect()
 }
 
-/// All combinations fitted to the aluminium campaign, in the order of the product.
+/// All combinations fitted to the campaign of a material, in the order of the product.
 pub(super) fn all(
     context: &StageContext<'_>,
-    aluminium: &Identified,
+    material: &Identified,
 ) -> Result<Vec<(Choice, Option<Found>)>, StageError> {
     let audit = context.earlier("audit")?;
     (0..16_usize)
@@ -86,7 +86,7 @@ pub(super) fn all(
                 parameters: None,
             };
             let mut question = Question::of(LawKind::AsymmetricBristle)
-                .near(&aluminium.found)
+                .near(&material.found)
                 .values_only();
             question.placement = choice.placement();
             question.exponent = Some(choice.exponent());
@@ -102,7 +102,7 @@ pub(super) fn all(
                 };
                 question = question.holding("theta0", lean);
             }
-            let found = identify(&aluminium.campaign, &question).map_err(failed)?;
+            let found = identify(&material.campaign, &question).map_err(failed)?;
             if !found.status.converged() {
                 return Ok((choice, None));
             }
@@ -113,8 +113,8 @@ pub(super) fn all(
         .collect()
 }
 
-/// What each combination gives for Table 1: values with the interval of their standard deviation.
-pub(super) fn parameters(choices: &[(Choice, Option<Found>)]) -> Worlds {
+/// What each combination gives for a row of Table 1 or 2: values with the interval of their standard deviation.
+pub(super) fn parameters(material: &str, choices: &[(Choice, Option<Found>)]) -> Worlds {
     worlds(choices, |found| {
         found
             .estimates
@@ -125,7 +125,7 @@ pub(super) fn parameters(choices: &[(Choice, Option<Found>)]) -> Worlds {
                     value: e.value,
                     ci95: half.map(|half| [e.value - half, e.value + half]),
                 };
-                (format!("identification.aluminium.{}", e.name), point)
+                (format!("identification.{material}.{}", e.name), point)
             })
             .collect()
     })

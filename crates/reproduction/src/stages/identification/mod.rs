@@ -166,7 +166,8 @@ impl Stage for Identification {
         let leans = held_leans(context, aluminium)?;
         let paper = ray(context, aluminium)?;
         context.say("fitting under every combination of open choices");
-        let choices = choices::all(context, aluminium)?;
+        let [choices, nylon, ceramic] = [0, 1, 2].map(|k| choices::all(context, &materials[k]));
+        let (choices, nylon, ceramic) = (choices?, nylon?, ceramic?);
         context.say("assuming cords of many stiffnesses");
         let corded = context.campaign(CORDED)?;
         let sweep = cord::sweep(&corded, context.quick)?;
@@ -196,8 +197,13 @@ impl Stage for Identification {
             }
         }
         for (claim, worlds) in [
-            ("C01", choices::parameters(&choices)),
+            ("C01", choices::parameters("aluminium", &choices)),
             ("C02", choices::errors(aluminium, &choices)),
+            (
+                "C06",
+                choices::parameters("nylon", &nylon)
+                    .beside(choices::parameters("ceramic", &ceramic)),
+            ),
         ] {
             output
                 .artefacts
