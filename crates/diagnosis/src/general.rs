@@ -200,6 +200,7 @@ pub(crate) fn test(
     names: &[String],
 ) -> Lack {
     let mut best: Option<(f64, usize, Vec<f64>, f64)> = None;
+    let scatter = ground.likeliest_scatter();
     let mut log_p = 0.0_f64;
     for (f, (family, white)) in families.iter().zip(whitened).enumerate() {
         let Some(direction) = ground.direction(white) else {
@@ -220,7 +221,9 @@ pub(crate) fn test(
         let one = log_chi2_tail(largest * largest, 1) + (white.ncols() as f64).ln();
         let own = (whole.log_p.min(one) + 2.0_f64.ln()).min(0.0);
         log_p = log_p.min(own);
-        let excess = (whole.statistic - whole.columns as f64).max(0.0);
+        // At the scatter of the model as it stands: what only a smaller scatter would make much of is none.
+        let statistic = ground.statistic(&direction, scatter);
+        let excess = (statistic - whole.columns as f64).max(0.0);
         if best.as_ref().is_none_or(|b| own < b.0) {
             best = Some((own, f, single, excess));
         }

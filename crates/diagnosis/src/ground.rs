@@ -203,6 +203,13 @@ impl Ground {
         }
     }
 
+    /// T of a direction at a scatter.
+    pub(crate) fn statistic(&self, direction: &Direction, scatter: f64) -> f64 {
+        let plain = direction.columns.tr_mul(&self.y);
+        let against = self.gains.tr_mul(&direction.columns);
+        self.at(scatter, &plain, &against).map_or(0.0, |at| at.0)
+    }
+
     /// Standard deviations of the given columns' coefficients at a scatter.
     fn deviations(&self, s: f64, direction: &Direction, against: &DMatrix<f64>) -> Vec<f64> {
         let k = direction.columns.ncols();

@@ -1,6 +1,7 @@
 //! Lines in a residual: the periods and frequencies at which a periodic cause is looked at closely.
 
 use nalgebra::DMatrix;
+use rig::Reach;
 
 use crate::bench::{Bench, Stand};
 use crate::periodic::Family;
@@ -16,6 +17,8 @@ pub(crate) struct Peaks {
 
 /// Lines of a cause that are looked at closely.
 const MOST_LINES: usize = 5;
+/// Cycles over the longest stretch by which two lines differ: a line's own flank is no second line.
+const APART: f64 = 0.6;
 
 impl Peaks {
     pub(crate) fn none() -> Self {
@@ -58,27 +61,33 @@ impl Peaks {
                 if !(span > 0.0) || !(step > 0.0) {
                     return None;
                 }
-                let (along, across) =
-                    envelope(bench, subset, stand, cause, shape, coordinate, span)?;
-                let family = Family {
-                    coordinate,
-                    along: &along,
-                    across: &across,
-                    // Lines closer than two samples of the fastest motion are aliases of slow ones there.
-                    // Slower ones than two in a run are no period.
-                    band: (2.0 / span, 0.45 / step),
-                    spacing: 0.5 / span,
-                };
-                let path = family.path();
-                let mut lines: Vec<(f64, f64)> = family
-                    .peaks(&g, &variance, 2 * MOST_LINES)
-                    .into_iter()
-                    .map(|peak| (peak.statistic, peak.frequency))
-                    .collect();
+                // Lines closer than two samples of the fastest motion are aliases of slow ones there.
+                // Slower ones than two in a run are no period.
+                let band = (2.0 / span, 0.45 / step);
+                let mut path = 0.0;
+                let mut lines: Vec<(f64, f64)> = Vec::new();
+                for (anchor, band) in anchors(bench, cause, band, 30.0 / span) {
+                    let (along, across) =
+                        envelope(bench, subset, stand, cause, shape, coordinate, anchor)?;
+                    let family = Family {
+                        coordinate,
+                        along: &along,
+                        across: &across,
+                        band,
+                        spacing: 0.5 / span,
+                    };
+                    path += family.path();
+                    let peaks = family.peaks(&g, &variance, 2 * MOST_LINES);
+                    lines.extend(
+                        peaks
+                            .into_iter()
+                            .map(|peak| (peak.statistic, peak.frequency)),
+                    );
+                }
                 lines.sort_by(|a, b| b.0.total_cmp(&a.0));
                 let mut chosen: Vec<f64> = Vec::new();
                 for (_, frequency) in lines {
-                    let new = chosen.iter().all(|f| (f - frequency).abs() > 0.25 / span);
+                    let new = chosen.iter().all(|f| (f - frequency).abs() > APART / span);
                     if new && chosen.len() < MOST_LINES {
                         chosen.push(frequency);
                     }
@@ -132,7 +141,28 @@ fn widest_step(samples: &Samples, x: &[f64]) -> f64 {
     steps.get(steps.len() * 19 / 20).copied().unwrap_or(0.0)
 }
 
-/// What a periodic cause's ripple multiplies: its tangent at a middling period, turned back by the ripple's own phase,
+/// Bands of frequency with the one at which the envelope is taken. A factor on friction acts at once, at all frequencies alike; to a
+/// ripple of the speed the contact answers with its steady curve where it is slow, with its stiffness where it is fast.
+fn anchors(
+    bench: &Bench<'_>,
+    cause: usize,
+    (low, high): (f64, f64),
+    middling: f64,
+) -> Vec<(f64, (f64, f64))> {
+    if bench.catalogue[cause].reach() != Reach::Stage || high < 2.0 * low {
+        return vec![(middling, (low, high))];
+    }
+    let octaves = (high / low).log2().ceil() as usize;
+    let ratio = (high / low).powf(1.0 / octaves as f64);
+    (0..octaves)
+        .map(|k| {
+            let from = low * ratio.powi(k as i32);
+            (from * ratio.sqrt(), (from, from * ratio))
+        })
+        .collect()
+}
+
+/// What a periodic cause's ripple multiplies: its tangent at a frequency, turned back by the ripple's own phase,
 /// in phase and a quarter of a period behind.
 fn envelope(
     bench: &Bench<'_>,
@@ -141,12 +171,11 @@ fn envelope(
     cause: usize,
     shape: usize,
     coordinate: &[f64],
-    span: f64,
+    frequency: f64,
 ) -> Option<(Vec<f64>, Vec<f64>)> {
     let effect = &bench.catalogue[cause];
     let specs = effect.parameters_for(&bench.experiment);
     let in_time = specs[shape].name.ends_with("_hz");
-    let frequency = 30.0 / span;
     let mut at = vec![0.0; specs.len()];
     let value: f64 = if in_time { frequency } else { 1.0 / frequency };
     at[shape] = value.clamp(specs[shape].lower, specs[shape].upper);

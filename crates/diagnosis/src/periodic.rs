@@ -41,6 +41,11 @@ impl Family<'_> {
         ((span / self.spacing) as usize + 1).min(4000)
     }
 
+    /// How many of the frequencies, from the lowest on, are so slow that the law absorbs some of them.
+    fn slow(&self) -> usize {
+        (SLOW - self.band.0 / self.spacing).max(0.0) as usize
+    }
+
     /// Cosine and sine columns of one frequency.
     pub(crate) fn columns(&self, frequency: f64) -> DMatrix<f64> {
         let n = self.along.len();
@@ -118,7 +123,7 @@ impl Family<'_> {
             return Vec::new();
         }
         let at = |i: usize| self.band.0 + self.spacing * i as f64;
-        let knots = knots(count);
+        let knots = knots(count, self.slow());
         let known: Vec<f64> = knots
             .par_iter()
             .map(|&i| variance(&self.columns(at(i))).max(1e-300).ln())
@@ -183,13 +188,15 @@ impl Family<'_> {
     }
 }
 
+/// Frequencies below so many spacings are slow: eight periods over the longest stretch.
+const SLOW: f64 = 16.0;
 /// Knots above the lowest frequencies, at most.
 const MOST_KNOTS: usize = 64;
 
 /// All of the lowest frequencies (the law absorbs some), then every sixteenth, or as many as [`MOST_KNOTS`] leave.
-fn knots(count: usize) -> Vec<usize> {
-    let mut out: Vec<usize> = (0..count.min(12)).collect();
-    let mut i = 12;
+fn knots(count: usize, lowest: usize) -> Vec<usize> {
+    let mut out: Vec<usize> = (0..count.min(lowest)).collect();
+    let mut i = lowest;
     while i < count {
         out.push(i);
         i += 16.max(count.div_ceil(MOST_KNOTS));
@@ -207,7 +214,7 @@ mod tests {
     #[test]
     fn variances_are_evaluated_at_a_bounded_number_of_frequencies() {
         for count in [3, 13, 540, 1024, 1025, 3960, 4000] {
-            let knots = knots(count);
+            let knots = knots(count, 12);
             assert!(
                 knots.len() <= 12 + MOST_KNOTS + 1,
                 "{count}: {}",
@@ -217,6 +224,8 @@ mod tests {
             assert!(knots.windows(2).all(|w| w[0] < w[1]));
         }
         // records of ordinary length: every sixteenth
-        assert_eq!(knots(540)[12..15], [12, 28, 44]);
+        assert_eq!(knots(540, 12)[12..15], [12, 28, 44]);
+        // a band of higher frequencies has no slow ones
+        assert_eq!(knots(40, 0), [0, 16, 32, 39]);
     }
 }

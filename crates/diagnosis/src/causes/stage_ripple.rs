@@ -1,4 +1,5 @@
-//! The drive's pitch or cogging: v_true = v (1 + A sin(2 pi x/p + phase)), x the stage coordinate (m), p the pitch (m).
+//! The drive's pitch or cogging: v_true = v (1 + A sin(2 pi x/p + phase)), x the coordinate (m) where the stage truly is,
+//! dx/dt = v_true from the recorded start on, p the pitch (m).
 
 use std::collections::BTreeMap;
 
@@ -79,8 +80,18 @@ impl Cause for StageRipple {
     }
 
     fn stage<D: Scalar>(&self, p: &[D], at: Place<'_>, velocity: &mut [D]) {
-        for (v, &x) in velocity.iter_mut().zip(&at.run.position_m) {
-            *v *= periodic::ripple(p, p[2].recip() * (std::f64::consts::TAU * x));
+        let wave = p[2].recip() * std::f64::consts::TAU;
+        let time = &at.run.time_s;
+        let mut x = D::constant(at.run.position_m[0]);
+        let mut commanded = velocity[0];
+        velocity[0] = commanded * periodic::ripple(p, wave * x);
+        // dx/dt = v(x, t) by Heun's steps
+        for i in 1..velocity.len() {
+            let half = 0.5 * (time[i] - time[i - 1]);
+            commanded = velocity[i];
+            let ahead = x + velocity[i - 1] * (2.0 * half);
+            x += (velocity[i - 1] + commanded * periodic::ripple(p, wave * ahead)) * half;
+            velocity[i] = commanded * periodic::ripple(p, wave * x);
         }
     }
 }
