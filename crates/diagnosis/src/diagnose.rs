@@ -134,12 +134,12 @@ pub fn diagnose_fully(
     }
     .ok_or(no_fit)?;
     let bench = short.as_ref().unwrap_or(&recorded);
-    let subset = Subset::all(bench);
+    let subset = selected.subset.clone();
     let integrity = inspect(campaign, selected.stand.sizes.sensor);
     let mut contests: Vec<Contest> = (0..selected.stand.fitted.effects.len())
         .filter_map(|k| contest(bench, &subset, &selected.stand, &selected.first, k))
         .collect();
-    if refuse_beaten(bench, &subset, &mut selected, &contests) {
+    if refuse_beaten(bench, &mut selected, &contests) {
         contests.clear();
     }
     let mut whole = Whole::of(&recorded, bench, &selected);
@@ -150,7 +150,7 @@ pub fn diagnose_fully(
         _ => None,
     };
     if unseen.is_some_and(|u| u.speaks_against()) {
-        take_all_back(bench, &subset, &mut selected);
+        take_all_back(bench, &mut selected);
         contests.clear();
         whole = Whole::of(&recorded, bench, &selected);
     }

@@ -166,6 +166,7 @@ fn fold(
         });
     }
     let own = select(bench, &subset, Depth::Fold, Some(warm))?;
+    let subset = &own.subset;
     let full = &own.stand.fitted;
     let lacking = named
         .iter()
@@ -182,7 +183,7 @@ fn fold(
                 .whitener
                 .with_scatter(&context, own.stand.sizes.scatter);
             bench
-                .fit(&subset, &rest, &without(full, k), &whitener, None, 12)
+                .fit(subset, &rest, &without(full, k), &whitener, None, 12)
                 .map(|fit| whole.prediction(&fit))
         })
         .collect();
@@ -193,7 +194,7 @@ fn fold(
         .map(|effect| {
             // Linear fit of the scrambled effect with the law's own directions.
             let raw = DMatrix::from_column_slice(effect.len(), 1, effect);
-            let white: DVector<f64> = base.whiten(&subset, &raw).column(0).into_owned();
+            let white: DVector<f64> = base.whiten(subset, &raw).column(0).into_owned();
             let along = basis.tr_mul(&white);
             let free = &white - &basis * &along;
             let power = free.norm_squared().max(1e-300);

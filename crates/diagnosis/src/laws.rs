@@ -9,13 +9,12 @@ use crate::bench::{Bench, gain_matrix, scatter_deviance};
 use crate::floor;
 use crate::samples::Samples;
 use crate::selection::Selected;
-use crate::subset::Subset;
 use crate::whole::Whole;
 
 /// Fits of all laws alone, best first; laws that do not go with the campaign are left out.
 pub(crate) fn compare(bench: &Bench<'_>, whole: &Whole<'_>, selected: &Selected) -> Vec<LawFit> {
     let stand = &selected.baseline;
-    let subset = Subset::all(bench);
+    let subset = &selected.subset;
     let context = subset.context_of(bench, &stand.fitted);
     let gains = stand.whitener.whiten_columns(&gain_matrix(&context));
     let n = subset.len() as f64;
@@ -39,7 +38,7 @@ pub(crate) fn compare(bench: &Bench<'_>, whole: &Whole<'_>, selected: &Selected)
                     masked: bench.masked.clone(),
                     step_n: bench.step_n,
                 };
-                other.law_fit(&subset, &stand.sizes)?
+                other.law_fit(subset, &stand.sizes)?
             };
             let residual = subset.gather(&bench.samples.force) - subset.gather(&fitted.prediction);
             let deviance = scatter_deviance(&gains, &stand.whitener.whiten(&residual));

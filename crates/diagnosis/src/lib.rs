@@ -23,6 +23,7 @@ mod general;
 mod ground;
 mod integrity;
 mod intervals;
+mod lateness;
 mod laws;
 mod left;
 mod look_back;

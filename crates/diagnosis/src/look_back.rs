@@ -70,9 +70,10 @@ fn exchange(
         let own = |k: usize| search_price(bench, stand.fitted.effects[k]);
         let mut best: Option<(f64, usize, Fitted, f64)> = None;
         for k in 0..stand.fitted.effects.len() {
-            let Some((worth, fit, log_p)) = replacement(bench, subset, &stand, k, threshold) else {
+            let Some((cause, fit, log_p)) = replacement(bench, subset, &stand, k, threshold) else {
                 continue;
             };
+            let worth = stand.deviance_of(bench, subset, &fit) + search_price(bench, cause);
             let saved = stand.deviance + own(k) - worth;
             if best.as_ref().is_none_or(|b| saved > b.0) {
                 best = Some((saved, k, fit, log_p));
@@ -91,14 +92,14 @@ fn exchange(
     Some(stand)
 }
 
-/// The best other cause in the place of the k-th: deviance with its parameters paid for, fit, and tail probability.
+/// The best other cause in the place of the k-th, its fit and its tail probability.
 fn replacement(
     bench: &Bench<'_>,
     subset: &Subset,
     stand: &Stand,
     k: usize,
     threshold: f64,
-) -> Option<(f64, Fitted, f64)> {
+) -> Option<(usize, Fitted, f64)> {
     let mut rest = stand.fitted.effects.clone();
     let own = rest.remove(k);
     let scatter = likely_scatter(stand);
@@ -111,12 +112,11 @@ fn replacement(
     let same = |cause: usize| bench.catalogue[cause].id() == bench.catalogue[own].id();
     let mut asked = survivors(bench, &found, threshold, SURVIVORS);
     asked.retain(|c| !same(c.cause));
-    let (cause, fit, deviance) = joint_fits(bench, subset, &beside, &asked, 2)
+    let (cause, fit, _) = joint_fits(bench, subset, &beside, &asked, 2)
         .into_iter()
         .next()?;
     let seen = found.candidates.iter().find(|c| c.cause == cause);
-    let worth = deviance + search_price(bench, cause);
-    Some((worth, fit, seen.map_or(0.0, |c| c.log_p)))
+    Some((cause, fit, seen.map_or(0.0, |c| c.log_p)))
 }
 
 /// Each cause against doing without it: the one that is missed least goes, as long as one is worth less than it must be.

@@ -5,24 +5,22 @@ use crate::equivalence::{Contest, Opponent};
 use crate::general::{self, Lack};
 use crate::left::lack;
 use crate::selection::{ALPHA_GENERAL, ALPHA_NAME, MOST_EFFECTS, Selected};
-use crate::subset::Subset;
 use crate::uniform::is_uniform;
 
 /// Where something is left that nothing explains, causes stay named only if they explain this share of all of it.
 const DOMINANT: f64 = 0.75;
 
 /// Asks of a finished selection whether its names may stay; `worth`: deviance that a further cause must save.
-pub(crate) fn take_back(bench: &Bench<'_>, subset: &Subset, selected: &mut Selected, worth: f64) {
-    refuse_uneven(bench, subset, selected);
-    refuse_beside_step(bench, subset, selected, worth);
-    keep_dominant(bench, subset, selected);
+pub(crate) fn take_back(bench: &Bench<'_>, selected: &mut Selected, worth: f64) {
+    refuse_uneven(bench, selected);
+    refuse_beside_step(bench, selected, worth);
+    keep_dominant(bench, selected);
 }
 
 /// Where a named cause saves nothing once all is fitted, or another one in its place saves more by what a name must be worth,
 /// the selection has not found what is there: nothing is named. Returns whether names were taken back.
 pub(crate) fn refuse_beaten(
     bench: &Bench<'_>,
-    subset: &Subset,
     selected: &mut Selected,
     contests: &[Contest],
 ) -> bool {
@@ -32,39 +30,42 @@ pub(crate) fn refuse_beaten(
         !(contest.saved > 0.0) || contest.opponents.iter().any(better)
     });
     if beaten {
-        take_all_back(bench, subset, selected);
+        take_all_back(bench, selected);
     }
     beaten
 }
 
 /// Where a named cause does not act everywhere that its signature says, or where causes pile up, nothing is named: the
 /// structure has another cause.
-fn refuse_uneven(bench: &Bench<'_>, subset: &Subset, selected: &mut Selected) {
+fn refuse_uneven(bench: &Bench<'_>, selected: &mut Selected) {
     let count = selected.stand.fitted.effects.len();
-    if count < MOST_EFFECTS && (0..count).all(|k| is_uniform(bench, subset, &selected.stand, k)) {
+    if count < MOST_EFFECTS
+        && (0..count).all(|k| is_uniform(bench, &selected.subset, &selected.stand, k))
+    {
         return;
     }
-    take_all_back(bench, subset, selected);
+    take_all_back(bench, selected);
 }
 
 /// The law alone again; what was seen stays seen.
-pub(crate) fn take_all_back(bench: &Bench<'_>, subset: &Subset, selected: &mut Selected) {
+pub(crate) fn take_all_back(bench: &Bench<'_>, selected: &mut Selected) {
     let seen = selected.entry_log_p.iter().copied().fold(0.0, f64::min);
     let fitted = selected.baseline.fitted.clone();
-    selected.stand = Stand::new(bench, subset, fitted, selected.stand.sizes);
+    selected.stand = Stand::new(bench, &selected.subset, fitted, selected.stand.sizes);
     selected.entry_log_p.clear();
-    selected.left = lack(bench, subset, &selected.stand);
+    selected.left = lack(bench, &selected.subset, &selected.stand);
     selected.left.log_p = selected.left.log_p.min(seen);
 }
 
 /// Where one step of friction somewhere on the plate explains more than all named causes together, nothing is named: a step
 /// in the middle looks like a gradient, three quarters of it.
-fn refuse_beside_step(bench: &Bench<'_>, subset: &Subset, selected: &mut Selected, margin: f64) {
+fn refuse_beside_step(bench: &Bench<'_>, selected: &mut Selected, margin: f64) {
     if selected.stand.fitted.effects.is_empty() {
         return;
     }
     let stand = &selected.baseline;
     let explained = stand.deviance - selected.stand.deviance;
+    let subset = &selected.subset;
     let samples = subset.samples(bench);
     let scale = subset.gather(stand.fitted.friction(bench));
     let columns = general::steps(&samples, scale.as_slice());
@@ -86,7 +87,7 @@ fn refuse_beside_step(bench: &Bench<'_>, subset: &Subset, selected: &mut Selecte
     }
     let fitted = stand.fitted.clone();
     let place = columns.place(j, &bench.run_names(subset));
-    selected.stand = Stand::new(bench, subset, fitted, selected.stand.sizes);
+    selected.stand = Stand::new(bench, &selected.subset, fitted, selected.stand.sizes);
     selected.entry_log_p.clear();
     selected.left = Lack {
         log_p,
@@ -96,7 +97,7 @@ fn refuse_beside_step(bench: &Bench<'_>, subset: &Subset, selected: &mut Selecte
 }
 
 /// Where something is left that nothing explains: only causes that explain most of it stay named.
-fn keep_dominant(bench: &Bench<'_>, subset: &Subset, selected: &mut Selected) {
+fn keep_dominant(bench: &Bench<'_>, selected: &mut Selected) {
     if selected.stand.fitted.effects.is_empty() || selected.left.log_p > ALPHA_GENERAL.ln() {
         return;
     }
@@ -107,7 +108,10 @@ fn keep_dominant(bench: &Bench<'_>, subset: &Subset, selected: &mut Selected) {
         .iter()
         .find(|s| selected.stand.fitted.effects.first() == Some(&s.cause))
         .map_or(0.0, |s| {
-            selected.baseline.deviance - selected.stand.deviance_of(bench, subset, &s.fitted)
+            selected.baseline.deviance
+                - selected
+                    .stand
+                    .deviance_of(bench, &selected.subset, &s.fitted)
         });
     let alone = first_alone / (explained + selected.left.excess).max(1e-300);
     let several = selected.stand.fitted.effects.len() > 1;
@@ -134,6 +138,6 @@ fn keep_dominant(bench: &Bench<'_>, subset: &Subset, selected: &mut Selected) {
             selected.baseline.fitted.clone()
         }
     };
-    selected.stand = Stand::new(bench, subset, fitted, sizes);
-    selected.left = lack(bench, subset, &selected.stand);
+    selected.stand = Stand::new(bench, &selected.subset, fitted, sizes);
+    selected.left = lack(bench, &selected.subset, &selected.stand);
 }

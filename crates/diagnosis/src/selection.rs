@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use crate::afresh::{afresh, is_strong};
 use crate::bench::{Bench, Fitted, Stand};
 use crate::general::Lack;
+use crate::lateness::looked_up_later;
 use crate::left::lack;
 use crate::look_back::look_back;
 use crate::refusal::take_back;
@@ -66,6 +67,8 @@ pub(crate) struct Selected {
     pub(crate) entry_log_p: Vec<f64>,
     /// Joint fits with one cause.
     pub(crate) singles: Vec<Single>,
+    /// The runs that were looked at, as late as they tell of the plate.
+    pub(crate) subset: Subset,
 }
 
 /// Where a selection may start from.
@@ -77,6 +80,8 @@ pub(crate) struct Warm {
     pub(crate) extended_law: Vec<f64>,
     /// The named causes and their parameters.
     pub(crate) causes: Vec<(usize, Vec<f64>)>,
+    /// How late samples tell of the plate, s.
+    pub(crate) late_s: f64,
 }
 
 impl Selected {
@@ -91,6 +96,7 @@ impl Selected {
             causes: (0..extended.effects.len())
                 .map(|k| (extended.effects[k], own(k)))
                 .collect(),
+            late_s: self.subset.lateness_s(),
         }
     }
 }
@@ -286,10 +292,11 @@ pub(crate) fn select(
     depth: Depth,
     warm: Option<&Warm>,
 ) -> Option<Selected> {
-    let (mut base, first) = baseline(bench, subset, warm)?;
+    let mut subset = subset.late_by(warm.map_or(0.0, |w| w.late_s));
+    let (mut base, first) = baseline(bench, &subset, warm)?;
     let threshold = (ALPHA_NAME / first.asked.max(1) as f64).ln();
     let best = first.candidates.first().map_or(0.0, |c| c.log_p);
-    let general = lack(bench, subset, &base);
+    let general = lack(bench, &subset, &base);
     let gate_log_p = (best + (first.asked.max(1) as f64 / 0.5).ln())
         .min(general.log_p + 2.0_f64.ln())
         .min(0.0);
@@ -309,7 +316,7 @@ pub(crate) fn select(
                     .filter(|c| is_dear(bench, c.cause) && c.score.z() < 0.2 * best)
                     .map(|c| c.cause)
                     .collect();
-                later = scan_without(bench, subset, stand, likely_scatter(stand), &dull);
+                later = scan_without(bench, &subset, stand, likely_scatter(stand), &dull);
                 (stand, &later)
             }
         };
@@ -320,7 +327,7 @@ pub(crate) fn select(
         if top.log_p > threshold || cannot_matter(round, found, explained) {
             break;
         }
-        let Some(step) = step(bench, subset, stand, found, threshold, depth, warm) else {
+        let Some(step) = step(bench, &subset, stand, found, threshold, depth, warm) else {
             break;
         };
         let beyond_shape = round == 0 || step.drop > SHAPE_TOLERANCE.powi(2) * explained;
@@ -331,7 +338,7 @@ pub(crate) fn select(
             singles = step.tried;
         }
         let next = match step.next {
-            Next::Fit(fit) => settle(bench, subset, &fit, found)?,
+            Next::Fit(fit) => settle(bench, &subset, &fit, found)?,
             Next::Settled(stand) => *stand,
         };
         explained += step.drop;
@@ -339,20 +346,29 @@ pub(crate) fn select(
         let next = if round == 0 {
             next
         } else {
-            look_back(bench, subset, next, &singles, &mut entry, threshold)?
+            look_back(bench, &subset, next, &singles, &mut entry, threshold)?
         };
-        chosen = Some(next);
+        chosen = Some(match looked_up_later(bench, &subset, &next) {
+            None => next,
+            Some(later) => {
+                subset = later;
+                let found = Scan::empty(bench, Some(next.sizes));
+                let next = settle(bench, &subset, &next.fitted, &found)?;
+                base = Stand::new(bench, &subset, base.fitted.clone(), next.sizes);
+                next
+            }
+        });
     }
     let left;
     let stand = match chosen {
         None => {
             left = general;
 
-            Stand::new(bench, subset, base.fitted.clone(), base.sizes)
+            Stand::new(bench, &subset, base.fitted.clone(), base.sizes)
         }
         Some(stand) => {
-            left = lack(bench, subset, &stand);
-            base = Stand::new(bench, subset, base.fitted.clone(), stand.sizes);
+            left = lack(bench, &subset, &stand);
+            base = Stand::new(bench, &subset, base.fitted.clone(), stand.sizes);
             stand
         }
     };
@@ -364,8 +380,9 @@ pub(crate) fn select(
         left,
         entry_log_p: entry,
         singles,
+        subset,
     };
-    take_back(bench, subset, &mut selected, -2.0 * threshold);
+    take_back(bench, &mut selected, -2.0 * threshold);
     Some(selected)
 }
 

@@ -18,6 +18,8 @@ pub(crate) struct Subset {
     /// Weight of each row, where rows have weights.
     weight: Option<DVector<f64>>,
     whole: bool,
+    /// How late samples tell of the plate, s (see [`crate::lateness`]).
+    late_s: f64,
 }
 
 impl Subset {
@@ -43,11 +45,30 @@ impl Subset {
             weight,
             rows,
             whole,
+            late_s: 0.0,
         }
     }
 
     pub(crate) fn all(bench: &Bench<'_>) -> Self {
         Self::new(bench, (0..bench.samples.runs.len()).collect())
+    }
+
+    /// The same runs, whose samples tell of places on the plate so much later.
+    pub(crate) fn late_by(&self, late_s: f64) -> Self {
+        Self {
+            late_s,
+            ..self.clone()
+        }
+    }
+
+    /// How late samples tell of the plate, s.
+    pub(crate) fn lateness_s(&self) -> f64 {
+        self.late_s
+    }
+
+    /// Whether samples are means over rows.
+    pub(crate) fn is_averaged(&self) -> bool {
+        self.weight.is_some()
     }
 
     /// Number of samples looked at.
@@ -83,10 +104,12 @@ impl Subset {
     /// The noise's context of these runs.
     pub(crate) fn context(&self, bench: &Bench<'_>, scale: &[f64]) -> Context {
         let pick = |x: &[f64]| self.rows.iter().map(|&i| x[i]).collect::<Vec<f64>>();
+        let (place, velocity) = (&bench.samples.place, &bench.samples.velocity);
+        let seen = |&i: &usize| place[i] - self.late_s * velocity[i];
         Context {
             runs: self.ranges.clone(),
             sliding: pick(&bench.samples.sliding),
-            place: pick(&bench.samples.place),
+            place: self.rows.iter().map(seen).collect(),
             scale: self.gather(scale).as_slice().to_vec(),
             ring: Vec::new(),
             rows: bench.samples.averaged_at(&self.rows),

@@ -262,6 +262,11 @@ pub trait Cause: Hooks {
             .collect()
     }
 
+    /// How much later a recorded force is than the recorded motion at these fitted parameters, s.
+    fn lateness_s(&self, _p: &[f64]) -> f64 {
+        0.0
+    }
+
     /// Steps from sample to sample through which the contact must be carried to follow what the stage does at these fitted
     /// parameters (1: the samples follow it).
     fn steps_a_sample(&self, _p: &[f64], _run: &RunMotion) -> usize {

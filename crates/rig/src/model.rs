@@ -251,6 +251,14 @@ impl Model {
         )
     }
 
+    /// How much later the recorded forces are than the recorded motions, all effects together, s.
+    pub fn lateness_s(&self, parameters: &[f64]) -> f64 {
+        let effects = self.effects.iter().enumerate();
+        effects
+            .map(|(i, cause)| cause.lateness_s(&parameters[self.span(i)]))
+            .sum()
+    }
+
     /// Which effects do something at these parameters.
     pub(crate) fn off_null(&self, parameters: &[f64]) -> Vec<bool> {
         (0..self.effects.len())

@@ -39,6 +39,10 @@ impl Cause for ClockOffset {
         vec![grids::bounded(&PARAMETERS[0], -0.3 * run, 0.3 * run, 0.01 * run)]
     }
 
+    fn lateness_s(&self, p: &[f64]) -> f64 {
+        p[0]
+    }
+
     fn record<D: Scalar>(&self, p: &[D], at: Place<'_>, force_n: &mut [D]) {
         rig::signal::delay(&at.run.time_s, force_n, p[0]);
     }

@@ -43,6 +43,10 @@ impl Cause for SensorLag {
         vec![grids::bounded(&PARAMETERS[0], 0.0, 0.5 * run, 0.01 * run)]
     }
 
+    fn lateness_s(&self, p: &[f64]) -> f64 {
+        p[0]
+    }
+
     fn record<D: Scalar>(&self, p: &[D], at: Place<'_>, force_n: &mut [D]) {
         rig::signal::lag(&at.run.time_s, force_n, p[0]);
     }

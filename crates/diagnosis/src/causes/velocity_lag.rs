@@ -39,6 +39,10 @@ impl Cause for VelocityLag {
         vec![grids::bounded(&PARAMETERS[0], 0.0, 0.3 * run, 0.01 * run)]
     }
 
+    fn lateness_s(&self, p: &[f64]) -> f64 {
+        -p[0]
+    }
+
     fn stage<D: Scalar>(&self, p: &[D], at: Place<'_>, velocity: &mut [D]) {
         for (v, &a) in velocity.iter_mut().zip(&at.run.acceleration_m_s2) {
             *v += p[0] * a;
