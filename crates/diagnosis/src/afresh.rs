@@ -5,6 +5,7 @@
 //! that the record itself suggests, under the noise that a healthy rig would have, and the best of them are compared by
 //! their likelihoods, each with the noise that its own residual shows.
 
+use std::cmp::Ordering;
 use std::sync::OnceLock;
 
 use fitting::noise::{Sizes, Whitener};
@@ -30,9 +31,12 @@ const DEAR: (usize, u64) = (2, 8);
 const DEAR_LAWS: usize = 3;
 /// Sizes and shapes of each cause that are tried beside such mechanics.
 const BESIDE_DEAR: usize = 2;
+/// Steps of a first fit of each cause, from its best start, and the causes that are fitted on: with a strong effect most causes
+/// are soon far behind.
+const FIRST_STEPS: u64 = 6;
+const FITTED_ON: fn(usize) -> usize = |asked| (3 * asked / 8).max(4);
 /// Causes whose fits are carried to their end and compared under their own noise.
 const FINISHED: usize = 4;
-
 /// The same inside a fold, where the fits start from the whole campaign's.
 const FINISHED_IN_FOLD: usize = 2;
 /// Best candidates that are asked beside a cause that is named already, and inside a fold.
@@ -65,47 +69,20 @@ pub(crate) fn afresh(
     found: &Scan,
     warm: Option<&Warm>,
 ) -> Vec<(usize, Stand)> {
-    let whitener = healthy_noise(bench, subset);
-    let suggested = match warm {
-        Some(warm) => vec![warm.extended_law.clone()],
-        None => bench.law_starts(&stand.fitted.model),
+    let search = Search {
+        bench,
+        subset,
+        stand,
+        whitener: healthy_noise(bench, subset),
     };
-    let laws = law_starts(bench, subset, stand, &whitener, suggested);
-    let stiff = match warm {
-        Some(_) => Vec::new(),
-        None => law_starts(bench, subset, stand, &whitener, bench.stiff_law_starts()),
-    };
-    let beside_dear = stand.fitted.effects.iter().any(|&e| is_dear(bench, e));
     let candidates: Vec<(usize, Vec<Vec<f64>>)> = found
         .candidates
         .iter()
         .enumerate()
         .filter(|(place, c)| is_asked(*place, c.cause, stand, warm))
-        .map(|(_, c)| c)
-        .map(|c| (c.cause, own_starts(bench, c.cause, &c.starts, warm)))
+        .map(|(_, c)| (c.cause, own_starts(bench, c.cause, &c.starts, warm)))
         .collect();
-    let mut rough: Vec<(usize, Fitted)> = candidates
-        .par_iter()
-        .filter_map(|(cause, own)| {
-            // Beside a cord that was fitted already the law has come right; where the cord is what is asked for, all that is
-            // elastic may be in it: then the contact is stiff.
-            let tries = if beside_dear {
-                let own = &own[..own.len().min(BESIDE_DEAR)];
-                Tries::new(vec![&stand.fitted], own, DEAR)
-            } else if is_dear(bench, *cause) {
-                let laws = laws.iter().take(DEAR_LAWS).chain(&stiff).collect();
-                Tries::new(laws, own, DEAR)
-            } else {
-                Tries::new(laws.iter().collect(), own, ROUGH)
-            };
-            let fit = rough_fit(bench, subset, stand, *cause, &tries, &whitener)?;
-            Some((*cause, fit))
-        })
-        .collect();
-    rough.sort_by(|a, b| {
-        let worth = |f: &(usize, Fitted)| 2.0 * f.1.cost + search_price(bench, f.0);
-        worth(a).total_cmp(&worth(b)).then(a.0.cmp(&b.0))
-    });
+    let mut rough = search.rough_fits(&candidates, warm);
     rough.truncate(if warm.is_some() {
         FINISHED_IN_FOLD
     } else {
@@ -117,14 +94,7 @@ pub(crate) fn afresh(
         .par_iter()
         .filter_map(|(cause, fit)| {
             let limit = if is_dear(bench, *cause) { 20 } else { 60 };
-            let fit = bench.fit(
-                subset,
-                &fit.effects,
-                &fit.parameters,
-                &whitener,
-                None,
-                limit,
-            )?;
+            let fit = search.fit(*cause, &fit.parameters, limit)?;
             Some((*cause, settle(bench, subset, &fit, &blank)?))
         })
         .collect();
@@ -158,42 +128,6 @@ fn healthy_noise(bench: &Bench<'_>, subset: &Subset) -> Whitener {
     Whitener::new(&context, &sizes)
 }
 
-/// Parameters of the stand's model: where it stands, and its law at starts that the record suggests.
-fn law_starts(
-    bench: &Bench<'_>,
-    subset: &Subset,
-    stand: &Stand,
-    whitener: &Whitener,
-    suggested: Vec<Vec<f64>>,
-) -> Vec<Fitted> {
-    let model = &stand.fitted.model;
-    let count = model.law_parameters();
-    let measured = subset.gather(&bench.experiment.measured_n);
-    let mut starts: Vec<Fitted> = suggested
-        .into_iter()
-        .filter_map(|law| {
-            let mut parameters = stand.fitted.parameters.clone();
-            parameters[..count].copy_from_slice(&law[..count]);
-            let prediction = model.predict(&bench.experiment, &parameters);
-            let residual = subset.gather(&prediction) - &measured;
-            let cost = 0.5 * whitener.whiten(&residual).norm_squared();
-            cost.is_finite().then(|| Fitted {
-                effects: stand.fitted.effects.clone(),
-                model: model.clone(),
-                parameters,
-                prediction,
-                cost,
-                converged: false,
-                friction: OnceLock::new(),
-            })
-        })
-        .collect();
-    starts.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    starts.truncate(LAW_STARTS);
-    starts.push(stand.fitted.clone());
-    starts
-}
-
 /// A cause's own starts: what the scan suggests, then plausible sizes over its shapes, evenly chosen.
 fn own_starts(
     bench: &Bench<'_>,
@@ -220,72 +154,166 @@ fn own_starts(
 }
 
 /// What is tried of one cause.
-struct Tries<'a> {
-    /// Starts of the law.
-    laws: Vec<&'a Fitted>,
-    /// Sizes and shapes of the cause.
-    own: &'a [Vec<f64>],
-    /// Fits from the best of all their pairs, and steps of each.
-    fits: usize,
+struct Tries {
+    cause: usize,
+    /// Starts, nearest to the record first, each with a law of its own.
+    starts: Vec<Vec<f64>>,
+    /// Steps of a rough fit.
     steps: u64,
 }
 
-impl<'a> Tries<'a> {
-    fn new(laws: Vec<&'a Fitted>, own: &'a [Vec<f64>], (fits, steps): (usize, u64)) -> Self {
-        Self {
-            laws,
-            own,
-            fits,
+/// Joint fits of a stand's model with one more cause under a noise that owes nothing to the stand.
+struct Search<'a> {
+    bench: &'a Bench<'a>,
+    subset: &'a Subset,
+    stand: &'a Stand,
+    whitener: Whitener,
+}
+
+impl Search<'_> {
+    /// A rough fit of each candidate (a cause and its own starts), best first; those that are soon far behind are left out.
+    fn rough_fits(
+        &self,
+        candidates: &[(usize, Vec<Vec<f64>>)],
+        warm: Option<&Warm>,
+    ) -> Vec<(usize, Fitted)> {
+        let bench = self.bench;
+        let suggested = match warm {
+            Some(warm) => vec![warm.extended_law.clone()],
+            None => bench.law_starts(&self.stand.fitted.model),
+        };
+        let laws = self.law_starts(suggested);
+        let stiff = match warm {
+            Some(_) => Vec::new(),
+            None => self.law_starts(bench.stiff_law_starts()),
+        };
+        let mut first: Vec<(Fitted, Tries)> = candidates
+            .par_iter()
+            .filter_map(|(cause, own)| {
+                let tries = self.tries(*cause, own, &laws, &stiff);
+                let steps = FIRST_STEPS.min(tries.steps);
+                let fit = self.fit(*cause, tries.starts.first()?, steps)?;
+                Some((fit, tries))
+            })
+            .collect();
+        first.sort_by(|(a, x), (b, y)| by_worth(bench, (x.cause, a), (y.cause, b)));
+        first.truncate(FITTED_ON(candidates.len()));
+        let mut rough: Vec<(usize, Fitted)> = first
+            .into_par_iter()
+            .map(|(fit, tries)| (tries.cause, self.fitted_on(fit, &tries)))
+            .collect();
+        rough.sort_by(|a, b| by_worth(bench, (a.0, &a.1), (b.0, &b.1)));
+        rough
+    }
+
+    /// Parameters of the stand's model: where it stands, and its law at starts that the record suggests.
+    fn law_starts(&self, suggested: Vec<Vec<f64>>) -> Vec<Fitted> {
+        let (bench, stand) = (self.bench, self.stand);
+        let model = &stand.fitted.model;
+        let count = model.law_parameters();
+        let measured = self.subset.gather(&bench.experiment.measured_n);
+        let mut starts: Vec<Fitted> = suggested
+            .into_iter()
+            .filter_map(|law| {
+                let mut parameters = stand.fitted.parameters.clone();
+                parameters[..count].copy_from_slice(&law[..count]);
+                let prediction = model.predict(&bench.experiment, &parameters);
+                let residual = self.subset.gather(&prediction) - &measured;
+                let cost = 0.5 * self.whitener.whiten(&residual).norm_squared();
+                cost.is_finite().then(|| Fitted {
+                    effects: stand.fitted.effects.clone(),
+                    model: model.clone(),
+                    parameters,
+                    prediction,
+                    cost,
+                    converged: false,
+                    friction: OnceLock::new(),
+                })
+            })
+            .collect();
+        starts.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        starts.truncate(LAW_STARTS);
+        starts.push(stand.fitted.clone());
+        starts
+    }
+
+    /// What is tried of a cause. Beside a cord that was fitted already the law has come right; where the cord is what is asked for,
+    /// all that is elastic may be in it: then the contact is stiff.
+    fn tries(&self, cause: usize, own: &[Vec<f64>], laws: &[Fitted], stiff: &[Fitted]) -> Tries {
+        let named = &self.stand.fitted;
+        let beside_dear = named.effects.iter().any(|&e| is_dear(self.bench, e));
+        let mut plenty = own.len();
+        let (laws, (fits, steps)): (Vec<&Fitted>, _) = if beside_dear {
+            plenty = plenty.min(BESIDE_DEAR);
+            (vec![named], DEAR)
+        } else if is_dear(self.bench, cause) {
+            (laws.iter().take(DEAR_LAWS).chain(stiff).collect(), DEAR)
+        } else {
+            (laws.iter().collect(), ROUGH)
+        };
+        let mut starts = self.nearest_starts(cause, &laws, &own[..plenty]);
+        starts.truncate(fits);
+        Tries {
+            cause,
+            starts,
             steps,
         }
     }
-}
 
-/// The best of a few rough fits of one cause.
-fn rough_fit(
-    bench: &Bench<'_>,
-    subset: &Subset,
-    stand: &Stand,
-    cause: usize,
-    tries: &Tries<'_>,
-    whitener: &Whitener,
-) -> Option<Fitted> {
-    let measured = subset.gather(&bench.experiment.measured_n);
-    let mut tried: Vec<(f64, usize, Vec<f64>)> = Vec::new();
-    for (place, law) in tries.laws.iter().enumerate() {
-        let mut starts = Vec::with_capacity(tries.own.len());
-        let mut residuals = DMatrix::zeros(subset.len(), tries.own.len());
-        for (own, mut column) in tries.own.iter().zip(residuals.column_iter_mut()) {
-            let (model, start) = extended(bench, law, cause, own)?;
-            let predicted = model.predict(&bench.experiment, &start);
-            column.copy_from(&(subset.gather(&predicted) - &measured));
-            starts.push(start);
+    /// For each start of the law the cause's own start that brings it nearest to the record; nearest of all first. (Fits from one
+    /// start of the law tend to end in one minimum.)
+    fn nearest_starts(&self, cause: usize, laws: &[&Fitted], own: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let experiment = &self.bench.experiment;
+        let measured = self.subset.gather(&experiment.measured_n);
+        let mut nearest: Vec<(f64, Vec<f64>)> = Vec::new();
+        for law in laws {
+            let mut starts = Vec::with_capacity(own.len());
+            let mut residuals = DMatrix::zeros(self.subset.len(), own.len());
+            for (own, mut column) in own.iter().zip(residuals.column_iter_mut()) {
+                let Some((model, start)) = extended(self.bench, law, cause, own) else {
+                    return Vec::new();
+                };
+                let predicted = model.predict(experiment, &start);
+                column.copy_from(&(self.subset.gather(&predicted) - &measured));
+                starts.push(start);
+            }
+            let white = self.whitener.whiten_columns(&residuals);
+            let costs = white.column_iter().map(|column| column.norm_squared());
+            nearest.extend(
+                costs
+                    .zip(starts)
+                    .filter(|(cost, _)| cost.is_finite())
+                    .min_by(|a, b| a.0.total_cmp(&b.0)),
+            );
         }
-        let white = whitener.whiten_columns(&residuals);
-        for (start, column) in starts.into_iter().zip(white.column_iter()) {
-            let cost = column.norm_squared();
-            if cost.is_finite() {
-                tried.push((cost, place, start));
+        nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
+        nearest.into_iter().map(|(_, start)| start).collect()
+    }
+
+    /// The stand's model with a further cause, fitted from a start.
+    fn fit(&self, cause: usize, start: &[f64], steps: u64) -> Option<Fitted> {
+        let mut effects = self.stand.fitted.effects.clone();
+        effects.push(cause);
+        self.bench
+            .fit(self.subset, &effects, start, &self.whitener, None, steps)
+    }
+
+    /// The first fit carried on, and fits from the other starts: the best of them.
+    fn fitted_on(&self, first: Fitted, tries: &Tries) -> Fitted {
+        let mut best = first.clone();
+        let others = tries.starts.iter().skip(1).map(Vec::as_slice);
+        for start in std::iter::once(first.parameters.as_slice()).chain(others) {
+            let fit = self.fit(tries.cause, start, tries.steps);
+            if let Some(fit) = fit.filter(|fit| fit.cost < best.cost) {
+                best = fit;
             }
         }
+        best
     }
-    tried.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut effects = stand.fitted.effects.clone();
-    effects.push(cause);
-    let mut taken: Vec<usize> = Vec::new();
-    let mut best: Option<Fitted> = None;
-    for (_, place, start) in tried {
-        // Fits from one start of the law tend to end in one minimum.
-        if taken.contains(&place) || taken.len() == tries.fits {
-            continue;
-        }
-        taken.push(place);
-        let Some(fit) = bench.fit(subset, &effects, &start, whitener, None, tries.steps) else {
-            continue;
-        };
-        if best.as_ref().is_none_or(|b| fit.cost < b.cost) {
-            best = Some(fit);
-        }
-    }
-    best
+}
+
+/// By cost with parameters paid for, then by place in the catalogue.
+fn by_worth(bench: &Bench<'_>, a: (usize, &Fitted), b: (usize, &Fitted)) -> Ordering {
+    let worth = |(cause, fit): (usize, &Fitted)| 2.0 * fit.cost + search_price(bench, cause);
+    worth(a).total_cmp(&worth(b)).then(a.0.cmp(&b.0))
 }

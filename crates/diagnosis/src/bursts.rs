@@ -31,11 +31,7 @@ pub(crate) fn bursts(ground: &Ground, samples: &Samples, names: &[String]) -> La
             start += WINDOW / 2;
         }
     }
-    let nothing = Lack {
-        log_p: 0.0,
-        place: None,
-        excess: 0.0,
-    };
+    let nothing = Lack::nothing();
     if windows.len() < 20 {
         return nothing;
     }

@@ -32,6 +32,17 @@ pub(crate) struct Lack {
     pub(crate) excess: f64,
 }
 
+impl Lack {
+    /// Nothing is left.
+    pub(crate) fn nothing() -> Self {
+        Self {
+            log_p: 0.0,
+            place: None,
+            excess: 0.0,
+        }
+    }
+}
+
 /// The families that a campaign's samples allow.
 pub(crate) fn families(samples: &Samples, scale: &[f64], length: f64) -> Vec<Hats> {
     let heading = samples.heading();

@@ -4,7 +4,7 @@
 use crate::bench::{Bench, Fitted, Stand};
 use crate::scan::{Scan, scan};
 use crate::selection::{
-    SURVIVORS, Single, joint_fits, likely_scatter, search_price, settle, survivors,
+    Depth, SURVIVORS, Single, joint_fits, likely_scatter, search_price, settle, survivors,
 };
 use crate::subset::Subset;
 
@@ -21,6 +21,7 @@ pub(crate) fn look_back(
     singles: &[Single],
     entry: &mut Vec<f64>,
     threshold: f64,
+    depth: Depth,
 ) -> Option<Stand> {
     let count = pair.fitted.effects.len();
     // One other cause alone: fitted singles under the pair's noise. A second cause must be worth its look-elsewhere.
@@ -53,7 +54,11 @@ pub(crate) fn look_back(
             return settle(bench, subset, &single.fitted, &found);
         }
     }
-    let best = exchange(bench, subset, pair, entry, threshold)?;
+    // A fold starts from the causes that the whole campaign has settled on.
+    let best = match depth {
+        Depth::Full => exchange(bench, subset, pair, entry, threshold)?,
+        Depth::Fold => pair,
+    };
     drop_idle(bench, subset, best, entry, worth)
 }
 

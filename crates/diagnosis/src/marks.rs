@@ -40,11 +40,7 @@ pub(crate) fn marks(
     samples: &Samples,
     scale: &[f64],
 ) -> Lack {
-    let nothing = Lack {
-        log_p: 0.0,
-        place: None,
-        excess: 0.0,
-    };
+    let nothing = Lack::nothing();
     let stretches = stretches(stand, ground, samples, scale);
     let Some(best) = stretches
         .iter()

@@ -38,12 +38,16 @@ impl Peaks {
         let g = stand
             .whitener
             .whiten_transposed(&free.rows(0, subset.len()).into_owned());
-        let variance = |columns: &DMatrix<f64>| {
+        let variances = |columns: &DMatrix<f64>| -> Vec<f64> {
             let white = stand.whitener.whiten_columns(columns);
             let n = white.nrows();
-            stand
-                .ground
-                .mean_power(&white.resize_vertically(n + stand.prior_rows, 0.0), scatter)
+            let white = white.resize_vertically(n + stand.prior_rows, 0.0);
+            (0..white.ncols() / 2)
+                .map(|k| {
+                    let pair = white.columns(2 * k, 2).into_owned();
+                    stand.ground.mean_power(&pair, scatter)
+                })
+                .collect()
         };
         let found = causes
             .iter()
@@ -77,7 +81,7 @@ impl Peaks {
                         spacing: 0.5 / span,
                     };
                     path += family.path();
-                    let peaks = family.peaks(&g, &variance, 2 * MOST_LINES);
+                    let peaks = family.peaks(&g, &variances, 2 * MOST_LINES);
                     lines.extend(
                         peaks
                             .into_iter()

@@ -111,11 +111,12 @@ impl Family<'_> {
         stretches.into_iter().flatten().collect()
     }
 
-    /// The strongest lines, strongest first. `variance(columns)` is half the trace of S'V^-1 S after projection.
+    /// The strongest lines, strongest first. `variances(columns)` is half the trace of S'V^-1 S after projection, for each pair of
+    /// columns.
     pub(crate) fn peaks(
         &self,
         g: &DVector<f64>,
-        variance: &(dyn Fn(&DMatrix<f64>) -> f64 + Sync),
+        variances: &(dyn Fn(&DMatrix<f64>) -> Vec<f64> + Sync),
         most: usize,
     ) -> Vec<Peak> {
         let count = self.count();
@@ -125,8 +126,13 @@ impl Family<'_> {
         let at = |i: usize| self.band.0 + self.spacing * i as f64;
         let knots = knots(count, self.slow());
         let known: Vec<f64> = knots
-            .par_iter()
-            .map(|&i| variance(&self.columns(at(i))).max(1e-300).ln())
+            .par_chunks(TOGETHER)
+            .flat_map_iter(|some| {
+                let pairs: Vec<DMatrix<f64>> = some.iter().map(|&i| self.columns(at(i))).collect();
+                let columns: Vec<_> = pairs.iter().flat_map(|p| p.column_iter()).collect();
+                variances(&DMatrix::from_columns(&columns))
+            })
+            .map(|variance| variance.max(1e-300).ln())
             .collect();
         let powers = self.powers(count, g);
         let values: Vec<f64> = (0..count)
@@ -188,6 +194,8 @@ impl Family<'_> {
     }
 }
 
+/// Knots whose columns are whitened side by side.
+const TOGETHER: usize = 4;
 /// Frequencies below so many spacings are slow: eight periods over the longest stretch.
 const SLOW: f64 = 16.0;
 /// Knots above the lowest frequencies, at most.

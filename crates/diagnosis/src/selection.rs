@@ -296,7 +296,11 @@ pub(crate) fn select(
     let (mut base, first) = baseline(bench, &subset, warm)?;
     let threshold = (ALPHA_NAME / first.asked.max(1) as f64).ln();
     let best = first.candidates.first().map_or(0.0, |c| c.log_p);
-    let general = lack(bench, &subset, &base);
+    // Nobody asks a fold whether there is anything at all.
+    let general = match depth {
+        Depth::Full => lack(bench, &subset, &base),
+        Depth::Fold => Lack::nothing(),
+    };
     let gate_log_p = (best + (first.asked.max(1) as f64 / 0.5).ln())
         .min(general.log_p + 2.0_f64.ln())
         .min(0.0);
@@ -346,7 +350,7 @@ pub(crate) fn select(
         let next = if round == 0 {
             next
         } else {
-            look_back(bench, &subset, next, &singles, &mut entry, threshold)?
+            look_back(bench, &subset, next, &singles, &mut entry, threshold, depth)?
         };
         chosen = Some(match looked_up_later(bench, &subset, &next) {
             None => next,
@@ -363,7 +367,6 @@ pub(crate) fn select(
     let stand = match chosen {
         None => {
             left = general;
-
             Stand::new(bench, &subset, base.fitted.clone(), base.sizes)
         }
         Some(stand) => {

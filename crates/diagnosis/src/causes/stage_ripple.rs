@@ -83,15 +83,15 @@ impl Cause for StageRipple {
         let wave = p[2].recip() * std::f64::consts::TAU;
         let time = &at.run.time_s;
         let mut x = D::constant(at.run.position_m[0]);
-        let mut commanded = velocity[0];
-        velocity[0] = commanded * periodic::ripple(p, wave * x);
-        // dx/dt = v(x, t) by Heun's steps
+        let mut before = velocity[0] * periodic::ripple(p, wave * x);
+        velocity[0] = before;
+        // dx/dt = v(x, t): the speed at the end of a step is read where the speed at its start leads, the way is their mean
         for i in 1..velocity.len() {
-            let half = 0.5 * (time[i] - time[i - 1]);
-            commanded = velocity[i];
-            let ahead = x + velocity[i - 1] * (2.0 * half);
-            x += (velocity[i - 1] + commanded * periodic::ripple(p, wave * ahead)) * half;
-            velocity[i] = commanded * periodic::ripple(p, wave * x);
+            let step = time[i] - time[i - 1];
+            let now = velocity[i] * periodic::ripple(p, wave * (x + before * step));
+            x += (before + now) * (0.5 * step);
+            velocity[i] = now;
+            before = now;
         }
     }
 }
