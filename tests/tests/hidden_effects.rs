@@ -234,16 +234,18 @@ fn a_shifted_lean_is_a_cause_against_a_model_from_elsewhere() {
     );
 }
 
-/// Two causes at once are two findings.
+/// Two causes at once are two findings; a late sensor beside a ripple of the drive among them, which shifts the plate's roughness
+/// against itself in the two directions and once brought in textures that nobody had made.
 #[test]
 fn a_pair_is_two_findings() {
-    let case = Case::one("surface-texture", 1.0, Protocol::Rich, SEED + 300)
+    let drift = Case::one("surface-texture", 1.0, Protocol::Rich, SEED + 300)
         .of_specimen(SEED)
         .with("force-zero-drift", 1.0, false);
-    assert_none(&complaints(
-        &[trial(Group::Pair, case, 5.0, None)],
-        &[Verdict::Right],
-    ));
+    let late = Case::one("stage-ripple", 1.0, Protocol::RichTurned, SEED + 301)
+        .of_specimen(SEED)
+        .with("sensor-lag", 1.0, false);
+    let trials = [drift, late].map(|case| trial(Group::Pair, case, 5.0, None));
+    assert_none(&complaints(&trials, &[Verdict::Right]));
 }
 
 /// With its cause taken out of the catalogue an effect is unexplained, not another name. (A texture is not among these:

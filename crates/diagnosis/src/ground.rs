@@ -71,6 +71,14 @@ impl Score {
     pub(crate) fn z(&self) -> f64 {
         equivalent_z(self.log_p)
     }
+
+    /// The same where the noise has so many times the variance that was reckoned.
+    pub(crate) fn over(mut self, background: f64) -> Self {
+        self.statistic /= background;
+        self.log_p /= background;
+        self.sd.iter_mut().for_each(|sd| *sd *= background.sqrt());
+        self
+    }
 }
 
 impl Ground {

@@ -7,6 +7,8 @@
 //! causes are compared with it. (A filter does not shift every wavelength alike, so that the two need not agree.)
 
 use crate::bench::{Bench, Stand};
+use crate::scan::Scan;
+use crate::selection::settle;
 use crate::subset::Subset;
 
 /// Shares of the suggested lateness that are tried.
@@ -14,8 +16,23 @@ const SHARES: [f64; 6] = [0.25, 0.5, 0.7, 0.85, 1.0, 1.2];
 /// What a lateness must save in deviance.
 const WORTH: f64 = 10.0;
 
+/// A stand with the plate looked up as late as suits its residual, the subset with it; and whether that moved anything.
+pub(crate) fn looked_up(
+    bench: &Bench<'_>,
+    subset: &mut Subset,
+    stand: Stand,
+) -> Option<(Stand, bool)> {
+    let Some(later) = later(bench, subset, &stand) else {
+        return Some((stand, false));
+    };
+    *subset = later;
+    let found = Scan::empty(bench, Some(stand.sizes));
+    let stand = settle(bench, subset, &stand.fitted, &found)?;
+    Some((stand, true))
+}
+
 /// The subset with the lateness that suits a stand's residual best; `None` where the one it has is as good.
-pub(crate) fn looked_up_later(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Option<Subset> {
+fn later(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Option<Subset> {
     let suggested = stand.fitted.model.lateness_s(&stand.fitted.parameters);
     if suggested == 0.0 || subset.is_averaged() {
         return None;

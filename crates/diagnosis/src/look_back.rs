@@ -120,12 +120,13 @@ fn replacement(
     let (cause, fit, _) = joint_fits(bench, subset, &beside, &asked, 2)
         .into_iter()
         .next()?;
-    let seen = found.candidates.iter().find(|c| c.cause == cause);
-    Some((cause, fit, seen.map_or(0.0, |c| c.log_p)))
+    // What is not seen there on its own may not come in by the back door.
+    let seen = found.candidates.iter().find(|c| c.cause == cause)?;
+    (seen.log_p < threshold).then_some((cause, fit, seen.log_p))
 }
 
 /// Each cause against doing without it: the one that is missed least goes, as long as one is worth less than it must be.
-fn drop_idle(
+pub(crate) fn drop_idle(
     bench: &Bench<'_>,
     subset: &Subset,
     mut stand: Stand,

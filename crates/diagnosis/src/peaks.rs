@@ -4,15 +4,28 @@ use nalgebra::DMatrix;
 use rig::Reach;
 
 use crate::bench::{Bench, Stand};
-use crate::periodic::Family;
+use crate::periodic::{Family, Peak};
 use crate::samples::Samples;
 use crate::scan::{period, tangent};
 use crate::subset::Subset;
 
+/// A line: frequency (1/m or Hz), and the background over which it stands (see [`crate::periodic::Peak`]).
+#[derive(Clone, Copy)]
+pub(crate) struct Line {
+    pub(crate) frequency: f64,
+    background: f64,
+}
+
+/// The lines at which a periodic cause is looked at, and the path length of the search.
+struct Looked {
+    cause: usize,
+    lines: Vec<Line>,
+    path: f64,
+}
+
 /// Lines in the residual, for each periodic cause.
 pub(crate) struct Peaks {
-    /// Cause, frequencies (1/m or Hz), path length of the search.
-    pub(crate) found: Vec<(usize, Vec<f64>, f64)>,
+    found: Vec<Looked>,
 }
 
 /// Lines of a cause that are looked at closely.
@@ -69,7 +82,7 @@ impl Peaks {
                 // Slower ones than two in a run are no period.
                 let band = (2.0 / span, 0.45 / step);
                 let mut path = 0.0;
-                let mut lines: Vec<(f64, f64)> = Vec::new();
+                let mut peaks: Vec<Peak> = Vec::new();
                 for (anchor, band) in anchors(bench, cause, band, 30.0 / span) {
                     let (along, across) =
                         envelope(bench, subset, stand, cause, shape, coordinate, anchor)?;
@@ -81,44 +94,73 @@ impl Peaks {
                         spacing: 0.5 / span,
                     };
                     path += family.path();
-                    let peaks = family.peaks(&g, &variances, 2 * MOST_LINES);
-                    lines.extend(
-                        peaks
-                            .into_iter()
-                            .map(|peak| (peak.statistic, peak.frequency)),
-                    );
+                    peaks.extend(family.peaks(&g, &variances, 2 * MOST_LINES));
                 }
-                lines.sort_by(|a, b| b.0.total_cmp(&a.0));
-                let mut chosen: Vec<f64> = Vec::new();
-                for (_, frequency) in lines {
-                    let new = chosen.iter().all(|f| (f - frequency).abs() > APART / span);
-                    if new && chosen.len() < MOST_LINES {
-                        chosen.push(frequency);
+                let height = |peak: &Peak| peak.statistic / peak.background;
+                peaks.sort_by(|a, b| height(b).total_cmp(&height(a)));
+                let mut lines: Vec<Line> = Vec::new();
+                for Peak {
+                    frequency,
+                    background,
+                    ..
+                } in peaks
+                {
+                    let apart = |line: &Line| (line.frequency - frequency).abs() > APART / span;
+                    if lines.len() < MOST_LINES && lines.iter().all(apart) {
+                        lines.push(Line {
+                            frequency,
+                            background,
+                        });
                     }
                 }
-                Some((cause, chosen, path))
+                Some(Looked { cause, lines, path })
             })
             .collect();
         Self { found }
     }
 
-    pub(crate) fn of(&self, cause: usize) -> &[f64] {
-        self.found
-            .iter()
-            .find(|f| f.0 == cause)
-            .map_or(&[], |f| f.1.as_slice())
+    fn looked(&self, cause: usize) -> Option<&Looked> {
+        self.found.iter().find(|f| f.cause == cause)
+    }
+
+    pub(crate) fn of(&self, cause: usize) -> &[Line] {
+        self.looked(cause).map_or(&[], |f| f.lines.as_slice())
     }
 
     pub(crate) fn path(&self, cause: usize) -> f64 {
-        self.found
+        self.looked(cause).map_or(0.0, |f| f.path)
+    }
+
+    /// The background at a line of a cause.
+    pub(crate) fn background(&self, cause: usize, frequency: f64) -> f64 {
+        let same = |line: &&Line| (line.frequency / frequency - 1.0).abs() < 1e-9;
+        self.of(cause)
             .iter()
-            .find(|f| f.0 == cause)
-            .map_or(0.0, |f| f.2)
+            .find(same)
+            .map_or(1.0, |line| line.background)
+    }
+
+    /// The same search with one line for each cause, of as many periods over its longest stretch.
+    pub(crate) fn with_periods(mut self, bench: &Bench<'_>, periods: f64) -> Self {
+        let samples = &bench.samples;
+        for looked in &mut self.found {
+            let in_time = period(bench, looked.cause).is_some_and(|p| p.1);
+            let coordinate = if in_time {
+                &samples.time
+            } else {
+                &samples.place
+            };
+            looked.lines = vec![Line {
+                frequency: periods / longest(samples, coordinate).max(1e-9),
+                background: 1.0,
+            }];
+        }
+        self
     }
 }
 
 /// Longest stretch of a coordinate in one run.
-pub(crate) fn longest(samples: &Samples, x: &[f64]) -> f64 {
+fn longest(samples: &Samples, x: &[f64]) -> f64 {
     samples
         .runs
         .iter()

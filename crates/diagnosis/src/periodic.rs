@@ -29,6 +29,8 @@ pub(crate) struct Peak {
     pub(crate) frequency: f64,
     /// Approximate statistic (chi-squared with two degrees of freedom).
     pub(crate) statistic: f64,
+    /// How many times higher its neighbours stand than noise of the assumed kind would let them: at least 1.
+    pub(crate) background: f64,
 }
 
 impl Family<'_> {
@@ -161,6 +163,7 @@ impl Family<'_> {
                 Peak {
                     frequency: f,
                     statistic: values[i] * gain,
+                    background: background(&values, i),
                 }
             })
             .collect()
@@ -192,6 +195,21 @@ impl Family<'_> {
     pub(crate) fn path(&self) -> f64 {
         self.count() as f64 * std::f64::consts::FRAC_PI_2
     }
+}
+
+/// Neighbours on either side that make the background of a line.
+const NEIGHBOURS: usize = 64;
+/// The median of chi-squared with two degrees of freedom, and how far chance takes the median of so many neighbours.
+const MEDIAN: f64 = 1.386;
+const CHANCE: f64 = 1.25;
+
+/// The background at a place among statistics. Roughness of another kind than assumed (smoothed by a slow sensor, say) stands high
+/// over whole bands, where some line then stands highest of all.
+fn background(values: &[f64], i: usize) -> f64 {
+    let near = i.saturating_sub(NEIGHBOURS)..(i + NEIGHBOURS + 1).min(values.len());
+    let mut near: Vec<f64> = values[near].to_vec();
+    near.sort_by(f64::total_cmp);
+    (near[near.len() / 2] / (MEDIAN * CHANCE)).max(1.0)
 }
 
 /// Knots whose columns are whitened side by side.

@@ -1,5 +1,7 @@
 //! When names are taken back: a refusal beats a wrong name.
 
+use rig::Station;
+
 use crate::bench::{Bench, Stand};
 use crate::equivalence::{Contest, Opponent};
 use crate::general::{self, Lack};
@@ -13,6 +15,7 @@ const DOMINANT: f64 = 0.75;
 /// Asks of a finished selection whether its names may stay; `worth`: deviance that a further cause must save.
 pub(crate) fn take_back(bench: &Bench<'_>, selected: &mut Selected, worth: f64) {
     refuse_uneven(bench, selected);
+    refuse_another_law(bench, selected);
     refuse_beside_step(bench, selected, worth);
     keep_dominant(bench, selected);
 }
@@ -45,6 +48,16 @@ fn refuse_uneven(bench: &Bench<'_>, selected: &mut Selected) {
         return;
     }
     take_all_back(bench, selected);
+}
+
+/// A law whose curve needs two corrections at once is not the law: what is there is another one, in or outside the catalogue of laws.
+/// (Beside a model from elsewhere the law is known.)
+fn refuse_another_law(bench: &Bench<'_>, selected: &mut Selected) {
+    let effects = &selected.stand.fitted.effects;
+    let of_the_law = |cause: &&usize| bench.catalogue[**cause].station() == Station::Law;
+    if bench.prior.is_none() && effects.iter().filter(of_the_law).count() > 1 {
+        take_all_back(bench, selected);
+    }
 }
 
 /// The law alone again; what was seen stays seen.

@@ -11,7 +11,7 @@ use rig::Model;
 
 use crate::bench::{Bench, Fitted, Stand};
 use crate::ground::{Direction, Score, angle, look_elsewhere};
-use crate::peaks::{Peaks, longest};
+use crate::peaks::{Line, Peaks};
 use crate::selection::is_dear;
 use crate::subset::Subset;
 
@@ -170,6 +170,19 @@ pub(crate) fn period(bench: &Bench<'_>, cause: usize) -> Option<(usize, bool)> {
     Some((shape, specs[shape].name.ends_with("_hz")))
 }
 
+/// Frequency of a periodic cause at given parameters.
+fn frequency(bench: &Bench<'_>, cause: usize, at: &[f64]) -> Option<f64> {
+    if !bench.catalogue[cause].is_periodic() {
+        return None;
+    }
+    let (shape, in_time) = period(bench, cause)?;
+    Some(if in_time {
+        at[shape]
+    } else {
+        at[shape].recip()
+    })
+}
+
 /// Scans the catalogue beside a fitted model; causes in the model are left out.
 pub(crate) fn scan(bench: &Bench<'_>, subset: &Subset, stand: &Stand, scatter: f64) -> Scan {
     let peaks = Peaks::find(bench, subset, stand, scatter);
@@ -195,17 +208,7 @@ pub(crate) fn scan_nominal(
     stand: &Stand,
     scatter: f64,
 ) -> Scan {
-    let mut peaks = Peaks::find(bench, subset, stand, scatter);
-    let samples = &bench.samples;
-    for (cause, lines, _) in &mut peaks.found {
-        let in_time = period(bench, *cause).is_some_and(|p| p.1);
-        let coordinate = if in_time {
-            &samples.time
-        } else {
-            &samples.place
-        };
-        *lines = vec![20.0 / longest(samples, coordinate).max(1e-9)];
-    }
+    let peaks = Peaks::find(bench, subset, stand, scatter).with_periods(bench, 20.0);
     scan_with(bench, subset, stand, &peaks, &[])
 }
 
@@ -261,7 +264,9 @@ fn scan_with(
         .zip(white)
         .map(|(signature, white)| {
             let direction = stand.ground.direction(&white)?;
-            let score = stand.ground.score(&direction);
+            let background = frequency(bench, signature.cause, &signature.at)
+                .map_or(1.0, |f| peaks.background(signature.cause, f));
+            let score = stand.ground.score(&direction).over(background);
             Some((
                 Ray {
                     cause: signature.cause,
@@ -335,7 +340,7 @@ fn tasks(bench: &Bench<'_>, fitted: &Fitted, peaks: &Peaks, skipped: &[usize]) -
             };
             let specs = effect.parameters_for(&bench.experiment);
             paths[cause] = peaks.path(cause);
-            for &frequency in peaks.of(cause) {
+            for Line { frequency, .. } in peaks.of(cause).iter().copied() {
                 let value = if in_time { frequency } else { 1.0 / frequency };
                 if specs[shape].admits(value) {
                     let mut at = vec![0.0; specs.len()];

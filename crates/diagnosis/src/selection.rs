@@ -12,9 +12,9 @@ use rayon::prelude::*;
 use crate::afresh::{afresh, is_strong};
 use crate::bench::{Bench, Fitted, Stand};
 use crate::general::Lack;
-use crate::lateness::looked_up_later;
+use crate::lateness::looked_up;
 use crate::left::lack;
-use crate::look_back::look_back;
+use crate::look_back::{drop_idle, look_back};
 use crate::refusal::take_back;
 use crate::scan::{Candidate, Scan, extended, scan, scan_without, smooth_beside};
 use crate::subset::Subset;
@@ -347,21 +347,16 @@ pub(crate) fn select(
         };
         explained += step.drop;
         entry.push(step.log_p);
-        let next = if round == 0 {
-            next
-        } else {
-            look_back(bench, &subset, next, &singles, &mut entry, threshold, depth)?
-        };
-        chosen = Some(match looked_up_later(bench, &subset, &next) {
-            None => next,
-            Some(later) => {
-                subset = later;
-                let found = Scan::empty(bench, Some(next.sizes));
-                let next = settle(bench, &subset, &next.fitted, &found)?;
-                base = Stand::new(bench, &subset, base.fitted.clone(), next.sizes);
-                next
+        let (mut next, _) = looked_up(bench, &mut subset, next)?;
+        if round > 0 {
+            next = look_back(bench, &subset, next, &singles, &mut entry, threshold, depth)?;
+            let (later, moved) = looked_up(bench, &mut subset, next)?;
+            next = later;
+            if moved {
+                next = drop_idle(bench, &subset, next, &mut entry, -2.0 * threshold)?;
             }
-        });
+        }
+        chosen = Some(next);
     }
     let left;
     let stand = match chosen {
