@@ -207,6 +207,10 @@ const CHANCE: f64 = 1.25;
 /// over whole bands, where some line then stands highest of all.
 fn background(values: &[f64], i: usize) -> f64 {
     let near = i.saturating_sub(NEIGHBOURS)..(i + NEIGHBOURS + 1).min(values.len());
+    // Among few neighbours a line and its own flanks are the median.
+    if near.len() < NEIGHBOURS {
+        return 1.0;
+    }
     let mut near: Vec<f64> = values[near].to_vec();
     near.sort_by(f64::total_cmp);
     (near[near.len() / 2] / (MEDIAN * CHANCE)).max(1.0)

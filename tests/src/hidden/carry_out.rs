@@ -126,7 +126,7 @@ impl Workshop {
         }
         let mut judgement = judge(&answer.json, &key, &forced);
         if sized.group == Group::Control {
-            judgement.verdict = crate::hidden::judge::verdict_of_stranger(&judgement);
+            judgement.verdict = crate::hidden::judge::verdict_of_stranger(&judgement, &forced);
         }
         let true_gain = if judgement.named.is_empty() {
             None

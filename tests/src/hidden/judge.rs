@@ -181,8 +181,13 @@ fn verdict(
     }
 }
 
-/// What an answer to something without a cause in the catalogue was worth.
-pub fn verdict_of_stranger(judgement: &Judgement) -> Verdict {
+/// What an answer to something whose cause was taken out of the catalogue was worth. `twins`: the causes that the protocol cannot
+/// tell from it; where there are others than itself, their names are what the data say.
+pub fn verdict_of_stranger(judgement: &Judgement, twins: &[String]) -> Verdict {
+    let named = judgement.named.iter().flatten();
+    if twins.len() > 1 && named.clone().count() > 0 && named.clone().all(|n| twins.contains(n)) {
+        return Verdict::Right;
+    }
     verdict(
         &judgement.named,
         &[],
