@@ -175,6 +175,17 @@ impl Problem {
     /// Its weights b: the last row of A.
     pub const RADAU_B: [f64; 2] = Self::RADAU_A[1];
 
+    /// The same machine in a stride that begins at a speed, m/s, and may end faster: the mean acceleration counts in the place of
+    /// the speed.
+    #[must_use]
+    pub fn accelerating(self, start_m_s: f64) -> Self {
+        let goal = Goal::Acceleration {
+            weight: 1.0,
+            start_m_s,
+        };
+        Self { goal, ..self }
+    }
+
     /// Whether forces of the standing foot are variables.
     pub fn is_rigid(&self) -> bool {
         matches!(self.contact, Contact::Rigid(_))

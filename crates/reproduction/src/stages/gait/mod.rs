@@ -116,7 +116,8 @@ impl Stage for Gait {
         impulses(&solved, &targets, &mut output);
         if !quick {
             blocks.extend(choices(&solved, &targets, &mut output));
-            accelerating(&solved, &targets, &mut output)?;
+            let strides = strides::accelerate(&biped, brush, targets.low)?;
+            accelerating(&strides, &mut output);
         }
         let slip = largest_slip(&solved);
         let (figure, values) =
@@ -370,19 +371,9 @@ fn impulses(solved: &[Solved], targets: &Targets, output: &mut StageOutput) {
 }
 
 /// Mean acceleration of strides that may end faster than they began.
-fn accelerating(
-    solved: &[Solved],
-    targets: &Targets,
-    output: &mut StageOutput,
-) -> Result<(), StageError> {
-    let of = |mount: Mount| {
-        let name = Name::compliant(CONTACT, mount, MAP_WEIGHT, targets.low);
-        certified(solved).find(|s| s.name == name)
-    };
-    let periodic: Vec<&Solved> = Mount::ALL.into_iter().filter_map(of).collect();
-    let strides = strides::accelerate(&periodic, targets.low)?;
+fn accelerating(strides: &[Solved], output: &mut StageOutput) {
     let mut found = Vec::new();
-    for stride in &strides {
+    for stride in strides {
         let name = stride.name.brush.id();
         let acceleration = stride.outcome.motion.acceleration_m_s2;
         if stride.outcome.is_certified() {
@@ -406,7 +397,6 @@ fn accelerating(
             "percent",
         ));
     }
-    Ok(())
 }
 
 /// Largest slip of a loaded foot over all certified strides, m/s.

@@ -4,8 +4,6 @@ use biped::contact::Brush;
 use biped::gait::catalogue::{Kind, Mount, Name};
 use biped::gait::chain::{Case, Outcome, solve_all};
 use biped::gait::file::{Search, StridesFile};
-use biped::gait::layout::Layout;
-use biped::gait::{Goal, Problem};
 use biped::parameters::Biped;
 use trajectory::{Options, Start as Point};
 
@@ -25,6 +23,8 @@ pub(super) struct Solved {
 
 /// The shipped starts.
 const STARTS: &str = include_str!("../../../../../data/strides.json");
+
+const ACCELERATING: &str = include_str!("../../../../../data/accelerating.json");
 
 fn options() -> Options {
     Options {
@@ -76,37 +76,27 @@ fn named(
         .collect())
 }
 
-/// Accelerating strides: periodic but for the forward speed, each from the periodic strides of all brushes.
-pub(super) fn accelerate(periodic: &[&Solved], start_m_s: f64) -> Result<Vec<Solved>, StageError> {
-    let cases: Vec<Case> = periodic
-        .iter()
-        .map(|solved| {
-            let goal = Goal::Acceleration {
-                weight: 1.0,
-                start_m_s,
-            };
-            let problem = Problem {
-                goal,
-                ..solved.outcome.problem
-            };
-            let count = Layout::new(&problem).count();
-            let starts = periodic.iter().map(|other| {
-                let mut x = other.outcome.x.clone();
-                x.resize(count, 0.0);
-                Point::cold(x)
-            });
-            Case {
+/// Accelerating strides, periodic but for the forward speed, each from its shipped start.
+pub(super) fn accelerate(
+    biped: &Biped,
+    brush: Brush,
+    start_m_s: f64,
+) -> Result<Vec<Solved>, StageError> {
+    let file: StridesFile = serde_json::from_str(ACCELERATING)
+        .map_err(|error| StageError::Failed(format!("data/accelerating.json: {error}")))?;
+    let (names, cases): (Vec<(Name, Option<Search>)>, Vec<Case>) = file
+        .starts
+        .into_iter()
+        .map(|start| {
+            let problem = start.name.problem(biped, brush).accelerating(start_m_s);
+            let case = Case {
                 problem,
-                starts: starts.collect(),
-            }
+                starts: vec![Point::cold(start.x)],
+            };
+            ((start.name, start.search), case)
         })
-        .collect();
-    let options = Options {
-        max_iterations: 2 * MAX_ITERATIONS,
-        ..options()
-    };
-    let names = periodic.iter().map(|solved| (solved.name, None)).collect();
-    named(names, &cases, &options)
+        .unzip();
+    named(names, &cases, &options())
 }
 
 /// The name of a stride of a sweep on one kind of contact.
