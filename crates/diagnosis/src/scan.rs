@@ -87,6 +87,12 @@ impl Scan {
 }
 
 impl Scan {
+    /// Tail probability of a cause as the scan saw it.
+    pub(crate) fn log_p_of(&self, cause: usize) -> f64 {
+        let own = self.candidates.iter().find(|c| c.cause == cause);
+        own.map_or(0.0, |c| c.log_p)
+    }
+
     /// The same scan for a noise that is to be searched from other sizes (`None`: from scratch).
     pub(crate) fn with_sizes(&self, sizes: Option<Sizes>) -> Self {
         Self {

@@ -32,6 +32,8 @@ pub(crate) const SURVIVORS: usize = 6;
 /// A catalogue's shape is taken to be right to this share of an effect's amplitude: less than its square of what is
 /// explained may be the wrong shape of a named cause, and is no ground for naming another.
 pub(crate) const SHAPE_TOLERANCE: f64 = 0.15;
+/// Share of the deviance promised by the best score that a search afresh must save.
+const KEPT: f64 = 0.5;
 /// How many times more than its score says a fit may save.
 const NONLINEAR: f64 = 3.0;
 
@@ -411,6 +413,34 @@ struct Step {
     tried: Vec<Single>,
 }
 
+/// The best further cause beside a stand whose parameters cannot be trusted.
+fn strong_step(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    found: &Scan,
+    warm: Option<&Warm>,
+) -> Option<Step> {
+    let mut stands = afresh(bench, subset, stand, found, warm);
+    let tried = stands
+        .iter()
+        .map(|(cause, stand)| Single {
+            cause: *cause,
+            fitted: stand.fitted.clone(),
+        })
+        .collect();
+    if stands.is_empty() {
+        return None;
+    }
+    let (cause, next) = stands.swap_remove(0);
+    Some(Step {
+        drop: next.deviance_of(bench, subset, &stand.fitted) - next.deviance,
+        next: Next::Settled(Box::new(next)),
+        log_p: found.log_p_of(cause),
+        tried,
+    })
+}
+
 /// The best further cause beside a stand.
 fn step(
     bench: &Bench<'_>,
@@ -421,29 +451,16 @@ fn step(
     depth: Depth,
     warm: Option<&Warm>,
 ) -> Option<Step> {
-    let seen = |cause: usize| {
-        let own = found.candidates.iter().find(|c| c.cause == cause);
-        own.map_or(0.0, |c| c.log_p)
-    };
-    if is_strong(found) {
-        let mut stands = afresh(bench, subset, stand, found, warm);
-        let tried = stands
-            .iter()
-            .map(|(cause, stand)| Single {
-                cause: *cause,
-                fitted: stand.fitted.clone(),
-            })
-            .collect();
-        if stands.is_empty() {
-            return None;
-        }
-        let (cause, next) = stands.swap_remove(0);
-        return Some(Step {
-            drop: next.deviance_of(bench, subset, &stand.fitted) - next.deviance,
-            next: Next::Settled(Box::new(next)),
-            log_p: seen(cause),
-            tried,
-        });
+    let strong = is_strong(found)
+        .then(|| strong_step(bench, subset, stand, found, warm))
+        .flatten();
+    // A search under the noise of a healthy rig may lose what the stand's own noise shows plainly.
+    let promised = found
+        .candidates
+        .first()
+        .map_or(0.0, |c| c.score.z().powi(2));
+    if let Some(step) = strong.filter(|step| step.drop > KEPT * promised) {
+        return Some(step);
     }
     let (most, starts) = match depth {
         Depth::Full => (SURVIVORS, 2),
@@ -455,7 +472,7 @@ fn step(
     Some(Step {
         next: Next::Fit(Box::new(fit)),
         drop: stand.deviance - deviance,
-        log_p: seen(cause),
+        log_p: found.log_p_of(cause),
         tried: fits
             .into_iter()
             .map(|(cause, fitted, _)| Single { cause, fitted })
