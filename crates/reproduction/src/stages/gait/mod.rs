@@ -207,7 +207,7 @@ fn best_speeds(
             open,
         });
     }
-    let gain = 100.0 * (means[1] / means[0] - 1.0);
+    let gain = gain_percent([means[0], means[1]]);
     let mut gain_value = value(format!("{prefix}.gain"), gain, "percent");
     if let Some(printed) = context.published.get(&format!("{prefix}.gain")) {
         gain_value = gain_value.with_published(&printed.printed);
@@ -234,16 +234,25 @@ fn direction_values(motions: &[(Mount, &Motion)], output: &mut StageOutput) {
     }
 }
 
-/// Gain of the asymmetric over the symmetric brush where both strides are certified, percent.
-fn gain(solved: &[Solved], name: impl Fn(Mount) -> Name) -> Option<f64> {
-    let speed = |mount: Mount| {
-        let name = name(mount);
-        certified(solved)
-            .find(|s| s.name == name)
-            .map(|s| s.outcome.motion.speed_m_s)
+/// The certified strides of a problem with the symmetric and the asymmetric brush, whatever brush `name` has.
+fn pair(solved: &[Solved], name: Name) -> Option<[&Solved; 2]> {
+    let of = |brush: Mount| {
+        let name = Name { brush, ..name };
+        certified(solved).find(|s| s.name == name)
     };
-    let (symmetric, asymmetric) = (speed(Mount::Symmetric)?, speed(Mount::Asymmetric)?);
-    Some(100.0 * (asymmetric / symmetric - 1.0))
+    Some([of(Mount::Symmetric)?, of(Mount::Asymmetric)?])
+}
+
+/// Gain of the second of two values over the first, percent.
+fn gain_percent([symmetric, asymmetric]: [f64; 2]) -> f64 {
+    100.0 * (asymmetric / symmetric - 1.0)
+}
+
+/// Gain of the asymmetric over the symmetric brush where both strides are certified, percent.
+fn gain(solved: &[Solved], name: Name) -> Option<f64> {
+    Some(gain_percent(
+        pair(solved, name)?.map(|s| s.outcome.motion.speed_m_s),
+    ))
 }
 
 /// What the paper prints of the sweep, to be looked for on the map.
@@ -273,7 +282,7 @@ fn map(
                 let stride = certified(solved).find(|s| s.name == name)?;
                 Some(stride.outcome.motion.speed_m_s)
             };
-            let gain = gain(solved, name(k, c));
+            let gain = gain(solved, name(k, c)(Mount::Symmetric));
             if let (Some(gain), Some(speed)) = (gain, speed(Mount::Asymmetric)) {
                 let id = format!("gait.map.k-{k}.c-{c}");
                 output.values.push(value(id.clone(), gain, "percent"));
@@ -339,7 +348,7 @@ fn choices(solved: &[Solved], targets: &Targets, output: &mut StageOutput) -> Op
             let id = format!("gait.choice.{}.{}", choice.id(), mount.id());
             output.values.push(value(id, speed, "m/s"));
         }
-        let number = gain(solved, name);
+        let number = gain(solved, name(Mount::Symmetric));
         let id = format!("gait.choice.{}.gain", choice.id());
         output
             .values
@@ -393,7 +402,7 @@ fn accelerating(strides: &[Solved], output: &mut StageOutput) {
     if let (Some(symmetric), Some(asymmetric)) = (of(Mount::Symmetric), of(Mount::Asymmetric)) {
         output.values.push(value(
             "gait.acceleration.gain".into(),
-            100.0 * (asymmetric / symmetric - 1.0),
+            gain_percent([symmetric, asymmetric]),
             "percent",
         ));
     }

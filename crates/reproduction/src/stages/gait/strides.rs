@@ -1,6 +1,7 @@
 //! The strides of the stage: which problems are solved, and from where.
 
 use biped::contact::Brush;
+use biped::gait::Problem;
 use biped::gait::catalogue::{Kind, Mount, Name};
 use biped::gait::chain::{Case, Outcome, solve_all};
 use biped::gait::file::{Search, StridesFile};
@@ -39,30 +40,31 @@ pub(super) fn solve(
     brush: Brush,
     wanted: impl Fn(&Name) -> bool,
 ) -> Result<Vec<Solved>, StageError> {
-    let file: StridesFile = serde_json::from_str(STARTS)
-        .map_err(|error| StageError::Failed(format!("data/strides.json: {error}")))?;
+    let problem = |name: &Name| wanted(name).then(|| name.problem(biped, brush));
+    of_file("data/strides.json", STARTS, problem)
+}
+
+/// Solves the problems that a file's names stand for, each from its start; none where `problem` has none.
+fn of_file(
+    path: &str,
+    text: &str,
+    problem: impl Fn(&Name) -> Option<Problem>,
+) -> Result<Vec<Solved>, StageError> {
+    let file: StridesFile = serde_json::from_str(text)
+        .map_err(|error| StageError::Failed(format!("{path}: {error}")))?;
     let (names, cases): (Vec<(Name, Option<Search>)>, Vec<Case>) = file
         .starts
         .into_iter()
-        .filter(|start| wanted(&start.name))
-        .map(|start| {
+        .filter_map(|start| {
             let case = Case {
-                problem: start.name.problem(biped, brush),
+                problem: problem(&start.name)?,
                 starts: vec![Point::cold(start.x)],
             };
-            ((start.name, start.search), case)
+            Some(((start.name, start.search), case))
         })
         .unzip();
-    named(names, &cases, &options())
-}
-
-fn named(
-    names: Vec<(Name, Option<Search>)>,
-    cases: &[Case],
-    options: &Options,
-) -> Result<Vec<Solved>, StageError> {
     let outcomes =
-        solve_all(cases, options).map_err(|error| StageError::Failed(error.to_string()))?;
+        solve_all(&cases, &options()).map_err(|error| StageError::Failed(error.to_string()))?;
     Ok(names
         .into_iter()
         .zip(outcomes)
@@ -82,21 +84,8 @@ pub(super) fn accelerate(
     brush: Brush,
     start_m_s: f64,
 ) -> Result<Vec<Solved>, StageError> {
-    let file: StridesFile = serde_json::from_str(ACCELERATING)
-        .map_err(|error| StageError::Failed(format!("data/accelerating.json: {error}")))?;
-    let (names, cases): (Vec<(Name, Option<Search>)>, Vec<Case>) = file
-        .starts
-        .into_iter()
-        .map(|start| {
-            let problem = start.name.problem(biped, brush).accelerating(start_m_s);
-            let case = Case {
-                problem,
-                starts: vec![Point::cold(start.x)],
-            };
-            ((start.name, start.search), case)
-        })
-        .unzip();
-    named(names, &cases, &options())
+    let problem = |name: &Name| Some(name.problem(biped, brush).accelerating(start_m_s));
+    of_file("data/accelerating.json", ACCELERATING, problem)
 }
 
 /// The name of a stride of a sweep on one kind of contact.

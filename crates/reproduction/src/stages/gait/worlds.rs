@@ -9,7 +9,7 @@ use biped::gait::catalogue::{
 use report::Value;
 
 use super::strides::Solved;
-use super::{Targets, certified};
+use super::{Targets, gain_percent, pair};
 use crate::multiverse::{Point, Worlds};
 
 /// One option: its words, and the values that it gives (none where a stride carries no certificate).
@@ -95,25 +95,15 @@ fn open_choices(targets: &Targets) -> Vec<(String, Name)> {
     cells.chain(choices).collect()
 }
 
-/// The certified strides of a name with the symmetric and the asymmetric brush.
-fn pair(solved: &[Solved], name: Name) -> Option<[&Solved; 2]> {
-    let of = |brush: Mount| {
-        let name = Name { brush, ..name };
-        certified(solved).find(|s| s.name == name)
-    };
-    Some([of(Mount::Symmetric)?, of(Mount::Asymmetric)?])
-}
-
 fn speeds(solved: &[Solved], name: Name) -> BTreeMap<String, Point> {
     let Some(strides) = pair(solved, name) else {
         return BTreeMap::new();
     };
     let [symmetric, asymmetric] = strides.map(|s| s.outcome.motion.speed_m_s);
-    let gain = 100.0 * (asymmetric / symmetric - 1.0);
     [
         ("gait.best_speed.symmetric", symmetric),
         ("gait.best_speed.asymmetric", asymmetric),
-        (GAIN, gain),
+        (GAIN, gain_percent([symmetric, asymmetric])),
     ]
     .map(|(id, value)| (id.to_owned(), Point::from(value)))
     .into()
