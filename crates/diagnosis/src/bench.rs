@@ -63,10 +63,9 @@ impl Fitted {
 
 /// Steps of a cord for each row of a condensed record: what rings faster is not in the rows.
 const STEPS_A_ROW: usize = 20;
-/// Starts of the law that are fitted roughly, of all that are looked at.
-const STARTS_FITTED: usize = 12;
-/// Of these, fits that are carried to their end.
-const STARTS_FINISHED: usize = 4;
+/// Starts of the law that are fitted, and steps of each: the nearest of all that are looked at, then the better of those that ended
+/// apart from one another.
+const LAW_ROUNDS: [(usize, u64); 3] = [(12, 4), (6, 8), (3, 60)];
 /// Starts spread about the typical sizes, beside those that the record suggests.
 const STARTS_SPREAD: usize = 32;
 
@@ -300,54 +299,78 @@ impl<'a> Bench<'a> {
         identification::starts(self.law, &features, self.experiment.height_m, None)
     }
 
-    /// The law alone, from the starts that the record suggests (or from the model file).
-    pub(crate) fn law_fit(&self, subset: &Subset, sizes: &Sizes) -> Option<Fitted> {
+    /// The law alone, from the starts that the record suggests (or from the model file). Where rough fits stay above `hopeless`
+    /// (in units of their cost) the best of them is the answer.
+    pub(crate) fn law_fit(&self, subset: &Subset, sizes: &Sizes, hopeless: f64) -> Option<Fitted> {
         let scale = self.crude_scale();
         let context = subset.context(self, &scale);
         let whitener = Whitener::new(&context, sizes);
         let model = self.model(&[])?;
         let starts = self.law_starts(&model);
         // All starts are looked at, the nearest are fitted.
+        let wholes: Vec<Vec<f64>> = starts
+            .iter()
+            .map(|start| model.at_null(start, &self.experiment))
+            .collect();
         let measured = subset.gather(&self.experiment.measured_n);
-        let mut ranked: Vec<(f64, Vec<f64>)> = starts
+        let residuals: Vec<DVector<f64>> = wholes
             .par_iter()
-            .map(|start| {
-                let whole = model.at_null(start, &self.experiment);
-                let predicted = subset.gather(&model.predict(&self.experiment, &whole));
-                let cost = whitener.whiten(&(predicted - &measured)).norm_squared();
-                (
-                    if cost.is_finite() {
-                        cost
-                    } else {
-                        f64::INFINITY
-                    },
-                    whole,
-                )
-            })
+            .map(|whole| subset.gather(&model.predict(&self.experiment, whole)) - &measured)
+            .collect();
+        let white = whitener.whiten_columns(&DMatrix::from_columns(&residuals));
+        let mut ranked: Vec<(f64, Vec<f64>)> = white
+            .column_iter()
+            .map(|column| column.norm_squared())
+            .zip(wholes)
+            .filter(|(cost, _)| cost.is_finite())
             .collect();
         ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-        ranked.truncate(STARTS_FITTED);
-        let rough: Vec<Option<Fitted>> = ranked
-            .par_iter()
-            .map(|(_, whole)| self.fit(subset, &[], whole, &whitener, None, 12))
-            .collect();
-        let mut rough: Vec<Fitted> = rough.into_iter().flatten().collect();
-        rough.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        rough.truncate(STARTS_FINISHED);
-        let fits: Vec<Option<Fitted>> = rough
-            .par_iter()
-            .map(|fit| self.fit(subset, &[], &fit.parameters, &whitener, None, 60))
-            .collect();
+        let mut from: Vec<Vec<f64>> = ranked.into_iter().map(|(_, whole)| whole).collect();
         let mut best: Option<Fitted> = None;
-        for fit in fits.into_iter().flatten() {
-            if best
-                .as_ref()
-                .is_none_or(|b| fit.cost < b.cost * (1.0 - 1e-9))
-            {
-                best = Some(fit);
+        for (round, (most, steps)) in LAW_ROUNDS.into_iter().enumerate() {
+            if round + 1 == LAW_ROUNDS.len() && best.as_ref().is_some_and(|b| b.cost > hopeless) {
+                break;
             }
+            from.truncate(most);
+            let fits: Vec<Option<Fitted>> = from
+                .par_iter()
+                .map(|start| self.fit(subset, &[], start, &whitener, None, steps))
+                .collect();
+            let mut fits: Vec<Fitted> = fits.into_iter().flatten().collect();
+            fits.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+            let fits = self.apart(subset, &whitener, fits);
+            from = fits.iter().map(|fit| fit.parameters.clone()).collect();
+            best = fits.into_iter().next();
         }
         best
+    }
+
+    /// Fits, best first, without those that have come to where a better one is.
+    fn apart(&self, subset: &Subset, whitener: &Whitener, fits: Vec<Fitted>) -> Vec<Fitted> {
+        /// Share of a fit's own cost.
+        const SAME: f64 = 1e-3;
+        if fits.is_empty() {
+            return fits;
+        }
+        let columns: Vec<DVector<f64>> = fits
+            .iter()
+            .map(|fit| subset.gather(&fit.prediction))
+            .collect();
+        let white = whitener.whiten_columns(&DMatrix::from_columns(&columns));
+        let distance = |a: usize, b: usize| (white.column(a) - white.column(b)).norm_squared();
+        let mut kept: Vec<usize> = Vec::new();
+        for k in 0..fits.len() {
+            if kept
+                .iter()
+                .all(|&better| distance(better, k) > SAME * fits[k].cost)
+            {
+                kept.push(k);
+            }
+        }
+        let all = fits.into_iter().enumerate();
+        all.filter(|(k, _)| kept.contains(k))
+            .map(|(_, fit)| fit)
+            .collect()
     }
 
     /// Something like the friction force before any fit: the record, smoothed over a few samples.
@@ -405,18 +428,18 @@ impl<'a> Bench<'a> {
 }
 
 /// How likely a fit is under given sizes of the noise.
-struct Likelihood {
+pub(crate) struct Likelihood {
     /// Whitening without the scatter between runs.
-    whitener: Whitener,
+    pub(crate) whitener: Whitener,
     white_gains: DMatrix<f64>,
     /// Whitened residual with the prior's rows.
     white: DVector<f64>,
     /// -2 log likelihood, the scatter between runs at its likeliest.
-    deviance: f64,
+    pub(crate) deviance: f64,
 }
 
 impl Likelihood {
-    fn of(bench: &Bench<'_>, subset: &Subset, fitted: &Fitted, sizes: Sizes) -> Self {
+    pub(crate) fn of(bench: &Bench<'_>, subset: &Subset, fitted: &Fitted, sizes: Sizes) -> Self {
         let context = subset.context_of(bench, fitted);
         let inner = Sizes {
             scatter: 0.0,
@@ -462,12 +485,24 @@ pub(crate) struct Stand {
 impl Stand {
     /// A fit under given sizes of the noise (their scatter is only the fit's; the tests integrate over it).
     pub(crate) fn new(bench: &Bench<'_>, subset: &Subset, fitted: Fitted, sizes: Sizes) -> Self {
+        let likelihood = Likelihood::of(bench, subset, &fitted, sizes);
+        Self::at(bench, subset, fitted, sizes, likelihood)
+    }
+
+    /// The same where the fit's likelihood is known.
+    pub(crate) fn at(
+        bench: &Bench<'_>,
+        subset: &Subset,
+        fitted: Fitted,
+        sizes: Sizes,
+        likelihood: Likelihood,
+    ) -> Self {
         let Likelihood {
             whitener,
             white_gains,
             white,
             deviance,
-        } = Likelihood::of(bench, subset, &fitted, sizes);
+        } = likelihood;
         let (jacobian, columns) = bench.jacobian(subset, &fitted);
         let owners: Vec<Option<usize>> = columns.iter().map(|&c| Some(c)).collect();
         let prior = bench.prior.as_ref();

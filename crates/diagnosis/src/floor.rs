@@ -63,6 +63,17 @@ fn squares_in(
     (sum, count)
 }
 
+/// Sum over a run's samples of the squared predicted force, in the unit of errors: what relative noise multiplies.
+pub(crate) fn force_squares(bench: &Bench<'_>, prediction: &[f64], run: usize) -> f64 {
+    let samples = &bench.samples;
+    let counted = |i: &usize| !samples.loaded || samples.load[*i] > 0.0;
+    samples.runs[run]
+        .clone()
+        .filter(counted)
+        .map(|i| (samples.weight(i) * prediction[i] / samples.load[i]).powi(2))
+        .sum()
+}
+
 /// Standard deviation within repeats by the noise model.
 pub(crate) fn modelled(bench: &Bench<'_>, prediction: &[f64], sizes: &Sizes) -> f64 {
     let relative = sizes.private.powi(2) + sizes.scatter.powi(2);

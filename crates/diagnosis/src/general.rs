@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 use crate::answer::Place;
 use crate::ground::{Ground, Score};
 use crate::samples::Samples;
-use crate::tail::log_chi2_tail;
+use crate::tail::{equivalent_z, log_chi2_tail};
 
 /// One family of hats.
 pub(crate) struct Hats {
@@ -40,6 +40,12 @@ impl Lack {
             place: None,
             excess: 0.0,
         }
+    }
+
+    /// What is left in units of deviance: no more than it is worth as evidence. (A burst in one run may have much energy and yet
+    /// be nothing that the campaign's own tails do not make.)
+    pub(crate) fn weight(&self) -> f64 {
+        self.excess.min(equivalent_z(self.log_p).powi(2))
     }
 }
 

@@ -11,6 +11,9 @@ use crate::samples::Samples;
 use crate::selection::Selected;
 use crate::whole::Whole;
 
+/// A law whose rough fits stay this many times above the noise is not carried to its end: the last digits of its error decide nothing.
+const HOPELESS: f64 = 10.0;
+
 /// Fits of all laws alone, best first; laws that do not go with the campaign are left out.
 pub(crate) fn compare(bench: &Bench<'_>, whole: &Whole<'_>, selected: &Selected) -> Vec<LawFit> {
     let stand = &selected.baseline;
@@ -18,6 +21,8 @@ pub(crate) fn compare(bench: &Bench<'_>, whole: &Whole<'_>, selected: &Selected)
     let context = subset.context_of(bench, &stand.fitted);
     let gains = stand.whitener.whiten_columns(&gain_matrix(&context));
     let n = subset.len() as f64;
+    // Half of what a law's residual is under this noise where it fits as well as noise allows, times how much worse is out of the race.
+    let hopeless = HOPELESS * 0.5 * n;
     let fits: Vec<Option<(LawKind, f64, f64)>> = LawKind::ALL
         .par_iter()
         .map(|&law| {
@@ -38,7 +43,7 @@ pub(crate) fn compare(bench: &Bench<'_>, whole: &Whole<'_>, selected: &Selected)
                     masked: bench.masked.clone(),
                     step_n: bench.step_n,
                 };
-                other.law_fit(subset, &stand.sizes)?
+                other.law_fit(subset, &stand.sizes, hopeless)?
             };
             let residual = subset.gather(&bench.samples.force) - subset.gather(&fitted.prediction);
             let deviance = scatter_deviance(&gains, &stand.whitener.whiten(&residual));

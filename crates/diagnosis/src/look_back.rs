@@ -97,6 +97,49 @@ fn exchange(
     Some(stand)
 }
 
+/// Inside a fold: what the whole campaign named against what the fold took in its stead. (The exchange with the whole catalogue is
+/// made once, on all runs.)
+pub(crate) fn exchange_with_named(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    mut stand: Stand,
+    named: &[(usize, Vec<f64>)],
+) -> Option<Stand> {
+    let context = subset.context_of(bench, &stand.fitted);
+    let whitener = stand
+        .whitener
+        .with_scatter(&context, likely_scatter(&stand));
+    let mut best: Option<(f64, Fitted)> = None;
+    let absent = |cause: &usize| !stand.fitted.effects.contains(cause);
+    for (cause, own) in named.iter().filter(|(cause, _)| absent(cause)) {
+        for k in 0..stand.fitted.effects.len() {
+            let out = stand.fitted.effects[k];
+            if named.iter().any(|(cause, _)| *cause == out) {
+                continue;
+            }
+            let mut effects = stand.fitted.effects.clone();
+            effects[k] = *cause;
+            let span = stand.fitted.model.span(k);
+            let mut start = stand.fitted.parameters[..span.start].to_vec();
+            start.extend_from_slice(own);
+            start.extend_from_slice(&stand.fitted.parameters[span.end..]);
+            let Some(fit) = bench.fit(subset, &effects, &start, &whitener, None, 20) else {
+                continue;
+            };
+            let price = search_price(bench, *cause) - search_price(bench, out);
+            let saved = stand.deviance - stand.deviance_of(bench, subset, &fit) - price;
+            if best.as_ref().is_none_or(|b| saved > b.0) {
+                best = Some((saved, fit));
+            }
+        }
+    }
+    if let Some((_, fit)) = best.filter(|b| b.0 > EXCHANGE) {
+        let found = Scan::empty(bench, Some(stand.sizes));
+        stand = settle(bench, subset, &fit, &found)?;
+    }
+    Some(stand)
+}
+
 /// The best other cause in the place of the k-th, its fit and its tail probability.
 fn replacement(
     bench: &Bench<'_>,

@@ -6,7 +6,7 @@ use crate::bench::{Bench, Stand};
 use crate::equivalence::{Contest, Opponent};
 use crate::general::{self, Lack};
 use crate::left::lack;
-use crate::selection::{ALPHA_GENERAL, ALPHA_NAME, MOST_EFFECTS, Selected};
+use crate::selection::{ALPHA_GENERAL, ALPHA_NAME, MOST_EFFECTS, Selected, search_price};
 use crate::uniform::is_uniform;
 
 /// Where something is left that nothing explains, causes stay named only if they explain this share of all of it.
@@ -28,8 +28,11 @@ pub(crate) fn refuse_beaten(
     contests: &[Contest],
 ) -> bool {
     let worth = -2.0 * (ALPHA_NAME / selected.first.asked.max(1) as f64).ln();
-    let beaten = contests.iter().any(|contest| {
-        let better = |o: &Opponent| o.excess_deviance < -worth;
+    let named = &selected.stand.fitted.effects;
+    let beaten = contests.iter().zip(named).any(|(contest, &own)| {
+        // A searched period is paid for, by the named cause and by its rival.
+        let charge = |o: &Opponent| search_price(bench, o.cause) - search_price(bench, own);
+        let better = |o: &Opponent| o.excess_deviance + charge(o) < -worth;
         !(contest.saved > 0.0) || contest.opponents.iter().any(better)
     });
     if beaten {
@@ -115,7 +118,8 @@ fn keep_dominant(bench: &Bench<'_>, selected: &mut Selected) {
         return;
     }
     let explained = selected.baseline.deviance - selected.stand.deviance;
-    let share = explained / (explained + selected.left.excess).max(1e-300);
+    let all = (explained + selected.left.weight()).max(1e-300);
+    let share = explained / all;
     let first_alone = selected
         .singles
         .iter()
@@ -126,7 +130,7 @@ fn keep_dominant(bench: &Bench<'_>, selected: &mut Selected) {
                     .stand
                     .deviance_of(bench, &selected.subset, &s.fitted)
         });
-    let alone = first_alone / (explained + selected.left.excess).max(1e-300);
+    let alone = first_alone / all;
     let several = selected.stand.fitted.effects.len() > 1;
     if several && share >= 0.9 || !several && share >= DOMINANT {
         return;

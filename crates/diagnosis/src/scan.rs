@@ -336,8 +336,10 @@ fn tasks(bench: &Bench<'_>, fitted: &Fitted, peaks: &Peaks, skipped: &[usize]) -
             shifts.push(cause);
             continue;
         }
-        if fitted.effects.contains(&cause) || effect.is_data_integrity() || skipped.contains(&cause)
-        {
+        // Another form of a cause in the model is no further cause.
+        let named = |&e: &usize| bench.catalogue[e].id() == effect.id();
+        let known = fitted.effects.iter().any(named);
+        if known || effect.is_data_integrity() || skipped.contains(&cause) {
             continue;
         }
         if effect.is_periodic() {

@@ -10,11 +10,11 @@ use fitting::noise::{Sizes, Whitener};
 use rayon::prelude::*;
 
 use crate::afresh::{afresh, is_strong};
-use crate::bench::{Bench, Fitted, Stand};
+use crate::bench::{Bench, Fitted, Likelihood, Stand};
 use crate::general::Lack;
 use crate::lateness::looked_up;
 use crate::left::lack;
-use crate::look_back::{drop_idle, look_back};
+use crate::look_back::{drop_idle, exchange_with_named, look_back};
 use crate::refusal::take_back;
 use crate::scan::{Candidate, Scan, extended, scan, scan_without, smooth_beside};
 use crate::subset::Subset;
@@ -118,8 +118,8 @@ fn baseline(bench: &Bench<'_>, subset: &Subset, warm: Option<&Warm>) -> Option<(
 /// Law alone and its noise.
 pub(crate) fn law_alone(bench: &Bench<'_>, subset: &Subset, warm: Option<&Warm>) -> Option<Stand> {
     let first_sizes = warm.map_or_else(|| bench.first_sizes(), |w| w.sizes);
-    let mut fitted = match warm {
-        None => bench.law_fit(subset, &first_sizes)?,
+    let fitted = match warm {
+        None => bench.law_fit(subset, &first_sizes, f64::INFINITY)?,
         Some(w) => {
             let model = bench.model(&[])?;
             let mut start = model.at_null(&w.law[..model.law_parameters()], &bench.experiment);
@@ -132,33 +132,34 @@ pub(crate) fn law_alone(bench: &Bench<'_>, subset: &Subset, warm: Option<&Warm>)
         }
     };
     let mut sizes = first_sizes;
-    let mut stand = Stand::new(bench, subset, fitted.clone(), sizes);
+    let mut stand = Stand::new(bench, subset, fitted, sizes);
     let rounds = if warm.is_some() { 1 } else { 2 };
     for round in 0..rounds {
         let start = (warm.is_some() || round > 0).then_some(sizes);
-        let smooth = smooth_beside(bench, &fitted);
-        let noise = bench.noise(subset, &fitted, &stand.jacobian, &smooth, start);
+        let smooth = smooth_beside(bench, &stand.fitted);
+        let noise = bench.noise(subset, &stand.fitted, &stand.jacobian, &smooth, start);
         sizes = noise.sizes;
-        fitted = refit(bench, subset, &fitted, &sizes)?;
-        stand = Stand::new(bench, subset, fitted.clone(), sizes);
+        stand = refit(bench, subset, &stand.fitted, &sizes)?;
     }
     Some(stand)
 }
 
-/// The same model fitted again under other sizes of the noise.
-fn refit(bench: &Bench<'_>, subset: &Subset, fitted: &Fitted, sizes: &Sizes) -> Option<Fitted> {
+/// The same model fitted again under other sizes of the noise. The noise's scale is the fit's own friction: a fit that is nearer
+/// under the old scale and less likely under its own (friction that hides behind the scatter between runs) is not taken.
+fn refit(bench: &Bench<'_>, subset: &Subset, fitted: &Fitted, sizes: &Sizes) -> Option<Stand> {
+    let before = Likelihood::of(bench, subset, fitted, *sizes);
     let context = subset.context_of(bench, fitted);
-    let whitener = fitting::noise::Whitener::new(&context, sizes);
+    let whitener = before.whitener.with_scatter(&context, sizes.scatter);
     let dear = fitted.effects.iter().any(|&e| is_dear(bench, e));
     let limit = if dear { 6 } else { 20 };
-    bench.fit(
-        subset,
-        &fitted.effects,
-        &fitted.parameters,
-        &whitener,
-        None,
-        limit,
-    )
+    let (effects, start) = (&fitted.effects, &fitted.parameters);
+    let fit = bench.fit(subset, effects, start, &whitener, None, limit)?;
+    let after = Likelihood::of(bench, subset, &fit, *sizes);
+    Some(if after.deviance <= before.deviance {
+        Stand::at(bench, subset, fit, *sizes, after)
+    } else {
+        Stand::at(bench, subset, fitted.clone(), *sizes, before)
+    })
 }
 
 /// Joint fits of the stand's model with each candidate, from the candidate's starts; best first under the stand's noise.
@@ -253,11 +254,18 @@ fn price(bench: &Bench<'_>, fit: &(usize, Fitted, f64)) -> f64 {
     fit.2 + search_price(bench, fit.0)
 }
 
-/// What a cause pays for its parameters and, where its period is searched, for the search.
+/// What a cause pays for its parameters and, where its period is searched, for the search; a second form of the same cause for
+/// not being the plain one.
 pub(crate) fn search_price(bench: &Bench<'_>, cause: usize) -> f64 {
+    const SEARCH: f64 = 10.0;
+    const SECOND_FORM: f64 = 4.0;
     let effect = &bench.catalogue[cause];
-    let search = if effect.is_periodic() { 10.0 } else { 0.0 };
-    2.0 * effect.parameters().len() as f64 + search
+    let search = if effect.is_periodic() { SEARCH } else { 0.0 };
+    let plain = bench.catalogue[..cause]
+        .iter()
+        .all(|other| other.id() != effect.id());
+    let form = if plain { 0.0 } else { SECOND_FORM };
+    2.0 * effect.parameters().len() as f64 + search + form
 }
 
 /// Candidates that deserve a joint fit: all that pass, and those that come near the best.
@@ -359,6 +367,11 @@ pub(crate) fn select(
             }
         }
         chosen = Some(next);
+    }
+    if let Some(warm) = warm.filter(|_| depth == Depth::Fold)
+        && let Some(stand) = chosen.take()
+    {
+        chosen = Some(exchange_with_named(bench, &subset, stand, &warm.causes)?);
     }
     let left;
     let stand = match chosen {
@@ -489,6 +502,5 @@ pub(crate) fn settle(
 ) -> Option<Stand> {
     let (jacobian, _) = bench.jacobian(subset, fit);
     let noise = bench.noise(subset, fit, &jacobian, &found.smooth, found.sizes);
-    let fitted = refit(bench, subset, fit, &noise.sizes)?;
-    Some(Stand::new(bench, subset, fitted, noise.sizes))
+    refit(bench, subset, fit, &noise.sizes)
 }

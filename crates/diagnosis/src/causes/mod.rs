@@ -10,7 +10,7 @@ macro_rules! catalogue {
         $(mod $module;)*
         $($(pub use $module::$form;)+)*
 
-        /// Every cause, in the order of the list; causes with more than one form (memory in time and in distance)
+        /// Every cause, in the order of the list; causes with more than one form (memory in time and in distance, wear with and without a limit)
         /// stand in every form, with the same id.
         pub fn catalogue() -> Vec<Box<dyn rig::Cause>> {
             vec![$($(Box::new($form)),+),*]
@@ -25,7 +25,7 @@ catalogue! {
     velocity_strengthening::VelocityStrengthening;
     lean_angle::LeanAngle;
     bristle_set::BristleSet;
-    wear::Wear;
+    wear::Wear, WearByDecades;
     thermal_softening::ThermalSoftening;
     surface_texture::SurfaceTexture;
     surface_gradient::SurfaceGradient;

@@ -4,6 +4,7 @@
 //! part of the mean; then, with these, the scatter between runs from what the mean leaves between runs (N2).
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::context::{Context, Sizes};
 use super::restricted::Criterion;
@@ -243,24 +244,27 @@ impl Frame {
             ];
         }
         let (short, long) = self.lengths;
-        let mut best = (f64::INFINITY, Vec::new());
+        let mut points = Vec::new();
         for i in 0..4 {
             let length = (short * (0.7 * long / short).powf((i as f64 + 0.5) / 4.0)).max(short);
             for share in [0.05_f64, 0.5] {
-                let x = vec![
+                points.push(vec![
                     (self.absolute * share).ln(),
                     (self.relative * 0.6).ln(),
                     (self.relative * 0.6).ln(),
                     length.ln(),
-                ];
-                let sizes = self.sizes(&x);
-                let value = criterion.value(&sizes, sizes.node_spacing());
-                if value < best.0 || best.1.is_empty() {
-                    best = (value, x);
-                }
+                ]);
             }
         }
-        best.1
+        let values: Vec<f64> = points
+            .par_iter()
+            .map(|x| {
+                let sizes = self.sizes(x);
+                criterion.value(&sizes, sizes.node_spacing())
+            })
+            .collect();
+        let best = (0..points.len()).min_by(|&a, &b| values[a].total_cmp(&values[b]));
+        points.swap_remove(best.unwrap_or(0))
     }
 
     /// A part without which the data are as likely is zero, and exactly so.

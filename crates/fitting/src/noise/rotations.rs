@@ -59,16 +59,19 @@ impl Rotations {
                 let reach = stride.min(nodes - j);
                 let own = &mut triangle[j * stride..j * stride + reach];
                 let (d, x) = (own[0], line[j]);
-                let radius = d.hypot(x);
+                let radius = (d * d + x * x).sqrt();
                 let (c, s) = (d / radius, x / radius);
-                for (t, l) in own.iter_mut().zip(&mut line[j..j + reach]) {
-                    (*t, *l) = (c * *t + s * *l, c * *l - s * *t);
-                }
-                kept.pairs.push((c, s));
+                own[0] = radius;
                 line[j] = 0.0;
+                kept.pairs.push((c, s));
                 j += 1;
+                // The triangle's row reaches at least as far as the line does.
                 end = end.max((j - 1 + reach).min(nodes));
-                let left = line[j..end].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+                let mut left = 0.0_f64;
+                for (t, l) in own[1..].iter_mut().zip(&mut line[j..j - 1 + reach]) {
+                    (*t, *l) = (c * *t + s * *l, c * *l - s * *t);
+                    left = left.max(l.abs());
+                }
                 if left < NEGLIGIBLE * inner {
                     break;
                 }
