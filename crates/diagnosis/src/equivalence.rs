@@ -27,6 +27,10 @@ use crate::subset::Subset;
 pub(crate) const SEPARABLE: f64 = 4.7;
 /// A rival that leaves this share of the effect's length imitates nothing, however short the effect is.
 const NO_IMITATION: f64 = 0.9;
+/// Excess deviance at which a fit contradicts a distance below [`SEPARABLE`]: its square is 22, twice its root's spread 19 more.
+const CONTRADICTED: f64 = 60.0;
+/// Starts and steps of a rival's fit.
+const RIVAL_FITS: (usize, u64) = (3, 12);
 /// Rivals with distances up to this are fitted to the data.
 const NEAR: f64 = 8.0;
 
@@ -56,9 +60,11 @@ impl Contest {
     /// Causes that cannot be told from the named one.
     pub(crate) fn tied(&self) -> Vec<usize> {
         let reach = SEPARABLE.min(NO_IMITATION * self.length);
+        // A signature knows neither bounds nor signs: what was fitted in the cause's place and fits far worse is no imitation.
+        let fails = |o: &Opponent| o.fitted.is_some() && o.excess_deviance > CONTRADICTED;
         self.opponents
             .iter()
-            .filter(|o| o.separation < reach)
+            .filter(|o| o.separation < reach && !fails(o))
             .map(|o| o.cause)
             .collect()
     }
@@ -184,15 +190,18 @@ fn replace(
 ) -> Option<(Fitted, f64)> {
     let mut effects = beside.fitted.effects.clone();
     effects.push(candidate.cause);
-    let (_, start) = extended(
-        bench,
-        &beside.fitted,
-        candidate.cause,
-        candidate.starts.first()?,
-    )?;
-    let fit = bench.fit(subset, &effects, &start, whitener, None, 10)?;
-    let excess = stand.deviance_of(bench, subset, &fit) - stand.deviance;
-    Some((fit, excess))
+    let (most, steps) = RIVAL_FITS;
+    candidate
+        .starts
+        .iter()
+        .take(most)
+        .filter_map(|own| {
+            let (_, start) = extended(bench, &beside.fitted, candidate.cause, own)?;
+            let fit = bench.fit(subset, &effects, &start, whitener, None, steps)?;
+            let excess = stand.deviance_of(bench, subset, &fit) - stand.deviance;
+            Some((fit, excess))
+        })
+        .min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// The smallest distance (D3) over a rival's rays.

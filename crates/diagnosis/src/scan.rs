@@ -508,6 +508,7 @@ fn start_from(bench: &Bench<'_>, ray: &Ray, score: &Score) -> Vec<f64> {
             start[i] = (0.05 * specs[i].typical).clamp(specs[i].lower, specs[i].upper);
         }
     }
+    effect.prepare_start(&bench.experiment, &mut start);
     start
 }
 

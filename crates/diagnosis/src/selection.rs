@@ -180,21 +180,21 @@ pub(crate) fn joint_fits(
             let mut best: Option<(Fitted, f64)> = None;
             let mut effects = stand.fitted.effects.clone();
             effects.push(candidate.cause);
-            let mut from: Vec<Vec<f64>> = candidate
-                .starts
-                .iter()
-                .take(starts)
-                .filter_map(|own| extended(bench, &stand.fitted, candidate.cause, own))
-                .map(|(_, start)| start)
-                .collect();
+            let dear = is_dear(bench, candidate.cause);
             let mut limit = 20;
-            if is_dear(bench, candidate.cause) {
-                if bench.mechanics() > MOST_SAMPLES_AFRESH {
-                    from.truncate(1);
-                    limit = 8;
-                } else {
-                    from.extend(starts_afresh(bench, subset, stand, candidate, &whitener));
-                }
+            let mut from = if dear {
+                nearest_about(bench, subset, stand, candidate, &whitener)
+            } else {
+                let own = candidate.starts.iter().take(starts);
+                own.filter_map(|own| extended(bench, &stand.fitted, candidate.cause, own))
+                    .map(|(_, start)| start)
+                    .collect()
+            };
+            if dear && bench.mechanics() > MOST_SAMPLES_AFRESH {
+                from.truncate(1);
+                limit = 8;
+            } else if dear {
+                from.extend(starts_afresh(bench, subset, stand, candidate, &whitener));
             }
             for start in from {
                 let Some(fit) = bench.fit(subset, &effects, &start, &whitener, None, limit) else {
@@ -217,6 +217,65 @@ pub(crate) fn joint_fits(
     fits
 }
 
+/// The starts about a candidate's own that bring the stand's law nearest to the record.
+fn nearest_about(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    candidate: &Candidate,
+    whitener: &Whitener,
+) -> Vec<Vec<f64>> {
+    const TAKEN: usize = 2;
+    let Some(own) = candidate.starts.first() else {
+        return Vec::new();
+    };
+    let effect = &bench.catalogue[candidate.cause];
+    let starts: Vec<Vec<f64>> = effect
+        .about(&bench.experiment, own)
+        .iter()
+        .filter_map(|own| extended(bench, &stand.fitted, candidate.cause, own))
+        .map(|(_, start)| start)
+        .collect();
+    nearest(
+        bench,
+        subset,
+        whitener,
+        &stand.fitted,
+        candidate.cause,
+        starts,
+        TAKEN,
+    )
+}
+
+/// Of these starts of a model with one more cause, those nearest to the record.
+fn nearest(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    whitener: &Whitener,
+    fitted: &Fitted,
+    cause: usize,
+    starts: Vec<Vec<f64>>,
+    taken: usize,
+) -> Vec<Vec<f64>> {
+    let mut effects = fitted.effects.clone();
+    effects.push(cause);
+    let Some(model) = bench.model(&effects) else {
+        return Vec::new();
+    };
+    let measured = subset.gather(&bench.experiment.measured_n);
+    let mut ranked: Vec<(f64, Vec<f64>)> = starts
+        .into_par_iter()
+        .map(|start| {
+            let predicted = subset.gather(&model.predict(&bench.experiment, &start));
+            let cost = whitener.whiten(&(predicted - &measured)).norm_squared();
+            (cost, start)
+        })
+        .filter(|(cost, _)| cost.is_finite())
+        .collect();
+    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    ranked.into_iter().take(taken).map(|r| r.1).collect()
+}
+
 /// Starts of a joint fit with the law afresh. The law's own fit takes a cord's stretch for its stiffness and damping and may
 /// end in another valley than the two together: of all of the law's starts those nearest to the data with the cause at
 /// its estimated size.
@@ -228,25 +287,27 @@ fn starts_afresh(
     whitener: &Whitener,
 ) -> Vec<Vec<f64>> {
     const TAKEN: usize = 3;
-    let measured = subset.gather(&bench.experiment.measured_n);
-    let mut ranked: Vec<(f64, Vec<f64>)> = Vec::new();
     let Some(own) = candidate.starts.first() else {
         return Vec::new();
     };
     let Some((model, at)) = extended(bench, &stand.fitted, candidate.cause, own) else {
         return Vec::new();
     };
-    for law in bench.law_starts(&model) {
+    let starts = bench.law_starts(&model).into_iter().map(|law| {
         let mut start = at.clone();
         start[..law.len()].copy_from_slice(&law);
-        let predicted = subset.gather(&model.predict(&bench.experiment, &start));
-        let cost = whitener.whiten(&(predicted - &measured)).norm_squared();
-        if cost.is_finite() {
-            ranked.push((cost, start));
-        }
-    }
-    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-    ranked.into_iter().take(TAKEN).map(|r| r.1).collect()
+        start
+    });
+    let starts = starts.collect();
+    nearest(
+        bench,
+        subset,
+        whitener,
+        &stand.fitted,
+        candidate.cause,
+        starts,
+        TAKEN,
+    )
 }
 
 /// Deviance with parameters and, for a searched period, the search paid for.

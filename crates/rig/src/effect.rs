@@ -181,6 +181,15 @@ pub trait Cause: Hooks {
         starts
     }
 
+    /// Gives a start what it needs beside its size to be a good place to begin a fit.
+    fn prepare_start(&self, _experiment: &Experiment, _start: &mut [f64]) {}
+
+    /// Places about a start from which the nearest to the record should be chosen, where a fit from the start itself may end in
+    /// another valley.
+    fn about(&self, _experiment: &Experiment, start: &[f64]) -> Vec<Vec<f64>> {
+        vec![start.to_vec()]
+    }
+
     /// Whether a period is searched for.
     fn is_periodic(&self) -> bool {
         false

@@ -39,6 +39,20 @@ const PARAMETERS: &[ParameterSpec] = &[
     ),
 ];
 
+/// Damping as a share of the critical one: of a mass that rings for some turns, and of one that does not.
+const HARDLY_DAMPED: f64 = 0.05;
+const WELL_DAMPED: f64 = 0.3;
+
+impl CordCompliance {
+    /// A share of the critical damping 2 sqrt(m / C) of the heaviest specimen, within the bounds, N s/m.
+    fn damping(&self, experiment: &Experiment, compliance: f64, share: f64) -> f64 {
+        let runs = experiment.runs.iter();
+        let masses = runs.map(|run| specimen_mass_kg(run, experiment));
+        let critical = 2.0 * (masses.fold(0.0, f64::max) / compliance).sqrt();
+        (share * critical).min(self.parameters_for(experiment)[1].upper)
+    }
+}
+
 impl Cause for CordCompliance {
     fn id(&self) -> &'static str {
         "cord-compliance"
@@ -75,17 +89,39 @@ impl Cause for CordCompliance {
         let typical = self.parameters_for(experiment)[0].typical;
         [0.03, 0.3, 3.0, 30.0]
             .iter()
-            .map(|share| vec![share * typical, 0.0])
+            .map(|share| {
+                let mut start = vec![share * typical, 0.0];
+                self.prepare_start(experiment, &mut start);
+                start
+            })
+            .collect()
+    }
+
+    fn prepare_start(&self, experiment: &Experiment, start: &mut [f64]) {
+        if start[0] > 0.0 && start[1] == 0.0 {
+            start[1] = self.damping(experiment, start[0], WELL_DAMPED);
+        }
+    }
+
+    /// A mass that rings is out of step with the record at the slightest error of its frequency, and every turn of the phase is a
+    /// valley of its own: compliances in steps of an eighth, hardly damped and well damped.
+    fn about(&self, experiment: &Experiment, start: &[f64]) -> Vec<Vec<f64>> {
+        let upper = self.parameters_for(experiment)[0].upper;
+        let steps = -8..=10;
+        steps
+            .flat_map(|k| {
+                let compliance = (start[0] * 1.125_f64.powi(k)).min(upper);
+                [HARDLY_DAMPED, WELL_DAMPED].map(|share| {
+                    vec![compliance, self.damping(experiment, compliance, share)]
+                })
+            })
             .collect()
     }
 
     fn coupling<D: Scalar>(&self, p: &[D], at: Place<'_>, coupling: &mut Coupling<D>) {
         coupling.compliance = p[0];
         coupling.damping = p[1];
-        let mass = match at.run.nominal_load_n {
-            Some(load) => load / GRAVITY_M_S2,
-            None => at.experiment.moving_mass_kg,
-        };
+        let mass = specimen_mass_kg(at.run, at.experiment);
         // a mass rings after every jump of speed by the root of the compliance, which has no derivative at the null:
         // there the derivative is that of the cord alone
         let slack = p[0].value() == 0.0;
@@ -94,6 +130,12 @@ impl Cause for CordCompliance {
             coupling.damping += unseen_damping(p[0], mass, mean_step_s(at.run));
         }
     }
+}
+
+/// Mass on the cord, kg.
+fn specimen_mass_kg(run: &RunMotion, experiment: &Experiment) -> f64 {
+    run.nominal_load_n
+        .map_or(experiment.moving_mass_kg, |load| load / GRAVITY_M_S2)
 }
 
 /// Mean time from sample to sample, s.
