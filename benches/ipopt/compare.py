@@ -39,11 +39,11 @@ def tables(nodes):
 
 
 class Nlp:
-    """Variables with scales, rows and a cost, collected one by one."""
+    """Variables with scales, rows (zero, or `limited` to a range) and a cost, collected one by one."""
 
     def __init__(self):
         self.x, self.low, self.high, self.start, self.scale = [], [], [], [], []
-        self.rows, self.cost = [], 0
+        self.rows, self.limited, self.cost = [], [], 0
 
     def variable(self, start, low=-np.inf, high=np.inf, scale=1.0):
         symbol = ca.SX.sym(f"x{len(self.x)}")
@@ -51,15 +51,17 @@ class Nlp:
         self.low.append(low / scale)
         self.high.append(high / scale)
         self.start.append(start / scale)
+        self.scale.append(scale)
         return symbol * scale
 
-    def solve(self):
-        problem = {"x": ca.vertcat(*self.x), "f": self.cost, "g": ca.vertcat(*self.rows)}
-        options = {"print_time": False, "record_time": True, "ipopt": {"print_level": 0, "sb": "yes", "tol": 1e-9}}
+    def solve(self, repeats=5, **ipopt):
+        problem = {"x": ca.vertcat(*self.x), "f": self.cost, "g": ca.vertcat(*self.rows, *(row for row, _, _ in self.limited))}
+        options = {"print_time": False, "record_time": True, "ipopt": {"print_level": 0, "sb": "yes", "tol": 1e-9} | ipopt}
         solver = ca.nlpsol("s", "ipopt", problem, options)
+        low, high = ([0.0] * len(self.rows) + [limits[k] for limits in self.limited] for k in (1, 2))
         best = np.inf
-        for _ in range(5):
-            answer = solver(x0=self.start, lbx=self.low, ubx=self.high, lbg=0, ubg=0)
+        for _ in range(repeats):
+            answer = solver(x0=self.start, lbx=self.low, ubx=self.high, lbg=low, ubg=high)
             stats = solver.stats()
             best = min(best, stats["t_wall_total"])  # IPOPT with the functions it calls
         return {
@@ -68,6 +70,8 @@ class Nlp:
             "iterations": stats["iter_count"],
             "seconds": best,
             "variables": len(self.x),
+            "row_multipliers": np.array(answer["lam_g"]).ravel(),
+            "bound_multipliers": np.array(answer["lam_x"]).ravel(),
         }
 
 
@@ -177,11 +181,19 @@ def cart_pole(nodes, intervals):
     return nlp
 
 
+def walker(name, nodes):
+    import five_link  # which builds on this file
+
+    return five_link.build(five_link.CASES[name], nodes, 25)
+
+
 BUILD = {
     "double-integrator": double_integrator,
     "brachistochrone": brachistochrone,
     "cart-pole-25": lambda nodes: cart_pole(nodes, 25),
     "cart-pole-100": lambda nodes: cart_pole(nodes, 100),
+    "five-link": lambda nodes: walker("published", nodes),
+    "five-link-held": lambda nodes: walker("held", nodes),
 }
 
 

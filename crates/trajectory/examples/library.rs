@@ -5,6 +5,7 @@
 mod library;
 
 use library::control::{Brachistochrone, CartPole, DoubleIntegrator};
+use library::five_link::{FiveLink, LINKS};
 use std::time::Instant;
 use trajectory::collocation::{OptimalControl, Scheme, Transcription};
 use trajectory::{Options, Start, solve};
@@ -73,6 +74,13 @@ fn main() {
                 &scheme,
                 CartPole::start(&t),
             );
+        }
+        for (name, problem) in [
+            ("five-link", FiveLink::published(25)),
+            ("five-link-held", FiveLink::held(25)),
+        ] {
+            let t = Transcription::new(&problem, scheme.clone());
+            line(name, &t, &scheme, problem.start(&t, [[0.0; LINKS]; 2]));
         }
     }
 }

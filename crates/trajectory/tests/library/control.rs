@@ -6,7 +6,7 @@ use trajectory::collocation::{
 };
 use trajectory::{Row, Scalar, Variable};
 
-fn coordinate(name: &str, q: Variable, v: Variable, a: Variable) -> Coordinate {
+pub fn coordinate(name: &str, q: Variable, v: Variable, a: Variable) -> Coordinate {
     let named = |v: Variable, suffix: &str| Variable {
         name: format!("{name}{suffix}"),
         ..v
@@ -18,7 +18,7 @@ fn coordinate(name: &str, q: Variable, v: Variable, a: Variable) -> Coordinate {
     }
 }
 
-fn free(scale: f64) -> Variable {
+pub fn free(scale: f64) -> Variable {
     Variable::free("", scale)
 }
 

@@ -3,5 +3,6 @@
 #![allow(dead_code, unreachable_pub)]
 
 pub mod control;
+pub mod five_link;
 pub mod hock_schittkowski;
 pub mod special;
