@@ -3,6 +3,7 @@
 use super::{Axis, BarPlot, Figure, HeatMap, LinePlot, Mark, Plot, Rule, Series};
 use crate::Evidence;
 use crate::number::{plain, with_unit};
+use crate::prose::letters;
 
 /// The description of a figure.
 pub(crate) fn describe(figure: &Figure) -> String {
@@ -20,7 +21,7 @@ pub(crate) fn describe(figure: &Figure) -> String {
     if figure.evidence == Evidence::Synthetic {
         text.push_str(" Made from synthetic data.");
     }
-    text
+    letters(&text)
 }
 
 fn named(axis: &Axis) -> String {

@@ -170,7 +170,10 @@ pub fn bristle(
             label: format!("h = {contact_height_mm:.2} mm"),
         },
     ];
-    let mut legend = vec![(Ink::Muted, format!("at rest, lean {lean_rad:.3} rad"))];
+    let mut legend = vec![(
+        Ink::Muted,
+        format!("at rest, lean {lean_rad:.3} rad").replace('-', "−"),
+    )];
     for (label, ink, angle) in states {
         shapes.push(Shape::Line {
             points: vec![root, contact(*angle)],

@@ -182,6 +182,7 @@ fn multiverse(multiverse: &Multiverse, lookup: &Lookup<'_>, place: &str) -> Resu
     Ok(context! {
         holds => multiverse.holds,
         of => multiverse.of,
+        without => multiverse.verdicts.iter().filter(|v| **v == Verdict::NotRun).count(),
         axes => minijinja::value::Serde(axes),
         marks,
         summary => format!("One mark a combination: {}", counts.join(", ")),

@@ -121,8 +121,7 @@ impl<'a> Sheet<'a> {
         let style = words(kind, size)
             .into_text_style(&self.root)
             .pos(Pos::new(horizontal, vertical));
-        self.root
-            .draw(&Text::new(text.to_string(), whole(at), style))
+        self.root.draw(&Text::new(letters(text), whole(at), style))
     }
 
     /// The marker of an ink: each ink has its own shape, so that colour is never the only difference.
