@@ -51,7 +51,7 @@ fn reach(book: &mut Book<'_>, lean: f64) -> Result<(), PublishedError> {
         subject: "Reach of the bristle",
         locator: "E1; Section 2, identification",
         sum: format!(
-            "$r = h/\\cos(\\theta+\\theta_0)$ is {rest} at rest, {forward} forward and {reverse} in reverse, with $h$ = {} mm and a bristle of {} mm",
+            "$r = h/\\cos(\\theta+\\theta_0)$ is {rest} at rest, {forward} forward and {reverse} in reverse, with $h$ = {} and a bristle of {}",
             shown("brush.contact_height"),
             shown("brush.bristle_length")
         ),

@@ -1,6 +1,7 @@
 //! The law at the printed parameters: the lean that the steady coefficients bracket, the size of each term, static
 //! against dynamic friction, the scale ray, extrapolation.
 
+use report::figure::{Figure, Provenance};
 use report::{AuditOutcome, Block, Cell, Column, Evidence, Section, Table};
 
 use super::bristle::{Bristle, Placement};
@@ -99,7 +100,7 @@ pub(super) fn lean(book: &mut Book<'_>) -> Result<LeanTable, PublishedError> {
 }
 
 /// The bracket table for the page.
-pub(super) fn section(lean: &LeanTable) -> Section {
+pub(super) fn section(lean: &LeanTable, drawn: Figure) -> Section {
     let value = |row: &Row, part: &str| Cell::Value(format!("audit.{}.{part}", row.id));
     let rows = lean
         .rows
@@ -108,7 +109,7 @@ pub(super) fn section(lean: &LeanTable) -> Section {
             let place = if row.placement == Placement::AllTerms {
                 "all terms of E7"
             } else {
-                "the sigma0 term only"
+                "the stiffness term only"
             };
             let mut cells = vec![Cell::from(place), Cell::from(row.window)];
             cells.extend(
@@ -127,7 +128,7 @@ pub(super) fn section(lean: &LeanTable) -> Section {
     let table = Table {
         id: "lean-brackets".into(),
         title: "Lean that the published steady coefficients ask for".into(),
-        caption: "Steady friction of E3 to E7 with Table 1, solved for theta0: from the forward coefficient alone, from the reverse one alone, and from both by least squares, with what then remains.".into(),
+        caption: "Steady friction of E3 to E7 with Table 1, solved for $\\theta_0$: from the forward coefficient alone, from the reverse one alone, and from both by least squares, with what then remains.".into(),
         columns: vec![
             Column::text("cosine on"),
             Column::text("steady means"),
@@ -139,17 +140,18 @@ pub(super) fn section(lean: &LeanTable) -> Section {
         ],
         rows,
         evidence: Some(Evidence::Computed),
+        provenance: Some(Provenance::here("audit", "law::lean")),
         claims: vec!["C09".into(), "C21".into()],
         ..Table::default()
     };
     Section {
         id: "audit-lean".into(),
-        title: "The lean theta0, which the paper does not print".into(),
-        lead: "The printed steady coefficients bracket theta0; where in the bracket depends on two choices that the paper does not state. With the cosine on all terms and the mean from 10 to 60 mm/s both together give {{ v(\"audit.lean.all_terms.mean.joint\") }}.".into(),
+        title: "The lean θ₀, which the paper does not print".into(),
+        lead: "The printed steady coefficients bracket $\\theta_0$; where in the bracket depends on two choices that the paper does not state. With the cosine on all terms and the mean from 10 to 60 mm/s both together give {{ v(\"audit.lean.all_terms.mean.joint\") }}.".into(),
         method: Some("Steady state of E3 is $\\theta = g(w)/\\sigma$ with $w = (v/h)\\cos^2(\\theta+\\theta_0)$, solved as a fixed point; the coefficient is E7 with $\\dot\\theta = 0$. Roots by bisection, both directions together by golden section.".into()),
         status: None,
         claims: vec!["C09".into(), "C21".into()],
-        blocks: vec![Block::Table(table)],
+        blocks: vec![drawn.into(), Block::Table(table)],
     }
 }
 
@@ -202,7 +204,7 @@ fn static_and_dynamic(book: &mut Book<'_>, lean: f64) -> Result<(), PublishedErr
         ));
     }
     book.add(Sum {
-        subject: "theta_s and theta_c as static and dynamic friction",
+        subject: "θs and θc as static and dynamic friction",
         locator: "E5, E7, Table 1",
         sum: format!(
             "$\\theta\\cos^2(\\theta+\\theta_0)$ at $\\theta_s/\\sigma$ over that at $\\theta_c/\\sigma$: {} forward, {} in reverse",
@@ -238,7 +240,7 @@ fn scale_ray(book: &mut Book<'_>, lean: f64) -> Result<(), PublishedError> {
     let largest = book.computed("scale_ray.largest_change", largest, "1");
     let free_shown = book.computed("scale_ray.parameters", free, "parameters");
     book.add(Sum {
-        subject: "The scale of sigma, theta_c and theta_s",
+        subject: "The scale of σ, θc and θs",
         locator: "E3, E9, Table 1",
         sum: format!(
             "E3 holds $\\sigma/g(w)$ only; all three times 0.5 and times 3 change the coefficient of a ramp by at most {largest}: {free_shown} of the seven can be found"
@@ -262,7 +264,7 @@ fn extrapolation(book: &mut Book<'_>, lean: f64) -> Result<(), PublishedError> {
         subject: "The law at gait speed",
         locator: "Section 3, Fig. 11",
         sum: format!(
-            "identified up to {} mm/s, used up to {} m/s ({factor} times as fast): steady coefficient forward {at_one} at 1 m/s and {at_aim} at the target speed",
+            "identified up to {}, used up to {} ({factor} times as fast): steady coefficient forward {at_one} at 1 m/s and {at_aim} at the target speed",
             shown("protocol.end_speed"),
             shown("gait.target_speed_fig11")
         ),

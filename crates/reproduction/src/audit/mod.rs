@@ -8,9 +8,10 @@ mod geometry;
 mod law;
 mod printed;
 mod robot;
+mod shown;
 mod stiffness;
 
-use report::{AuditItem, AuditOutcome, Evidence, Section, Value};
+use report::{AuditItem, AuditOutcome, Evidence, Section, Value, typeset_prose};
 
 use crate::published::{Interval, Published, PublishedError};
 
@@ -24,7 +25,7 @@ const STEEL_MODULUS_PA: f64 = 200e9;
 pub(crate) struct Audit {
     pub(crate) values: Vec<Value>,
     pub(crate) items: Vec<AuditItem>,
-    pub(crate) section: Section,
+    pub(crate) sections: Vec<Section>,
 }
 
 /// Checks everything.
@@ -39,10 +40,11 @@ pub(crate) fn examine(published: &Published) -> Result<Audit, PublishedError> {
     stiffness::check(&mut book)?;
     law::check(&mut book, lean.joint)?;
     robot::check(&mut book)?;
+    let drawn = shown::bristle_to_scale(&book, lean.joint)?;
     Ok(Audit {
         values: book.values,
         items: book.items,
-        section: law::section(&lean),
+        sections: vec![law::section(&lean, drawn), shown::robot()],
     })
 }
 
@@ -119,7 +121,7 @@ impl<'a> Book<'a> {
         let shown_unit = if unit == "1" {
             String::new()
         } else {
-            format!(" {unit}")
+            format!(" {}", report::printed_unit(unit))
         };
         format!(
             "\\[{{{{ n(\"audit.{name}.lower\", 5) }}}}, {{{{ n(\"audit.{name}.upper\", 5) }}}}\\]{shown_unit}"
@@ -131,9 +133,9 @@ impl<'a> Book<'a> {
             id: format!("A{:02}", self.items.len() + 1),
             subject: sum.subject.to_owned(),
             locator: sum.locator.to_owned(),
-            sum: sum.sum.into(),
+            sum: typeset_prose(&sum.sum).into(),
             outcome: sum.outcome,
-            consequence: sum.consequence.into(),
+            consequence: typeset_prose(&sum.consequence).into(),
             claims: sum.claims.iter().map(|claim| (*claim).to_owned()).collect(),
         });
     }

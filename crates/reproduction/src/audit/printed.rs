@@ -29,7 +29,7 @@ fn speed_gain(book: &mut Book<'_>) -> Result<(), PublishedError> {
         subject: "Gain of the mean best speed",
         locator: "Section 3, Fig. 12",
         sum: format!(
-            "{} / {} - 1 lies in {range}; printed: {} %",
+            "{} / {} - 1 lies in {range}; printed: {}",
             shown("gait.best_speed.asymmetric"),
             shown("gait.best_speed.symmetric"),
             shown("gait.gain")
@@ -156,7 +156,7 @@ fn ramp(book: &mut Book<'_>) -> Result<(), PublishedError> {
         subject: "The ramp",
         locator: "Section 2, experiment",
         sum: format!(
-            "$T = 2s/v$ = {duration_shown}, $a = v^2/(2s)$ = {acceleration}; {samples} at {} Hz; the {} mm stage leaves {room_shown} for the brush",
+            "$T = 2s/v$ = {duration_shown}, $a = v^2/(2s)$ = {acceleration}; {samples} at {}; the {} stage leaves {room_shown} for the brush",
             shown("rig.sample_rate"),
             shown("rig.stage_length")
         ),

@@ -14,6 +14,12 @@ pub(super) fn check(book: &mut Book<'_>) -> Result<(), PublishedError> {
 /// centre at l from one end at most m l (L - l).
 fn shank(book: &mut Book<'_>) -> Result<(), PublishedError> {
     let mass = book.interval("table3.shank_mass")?;
+    let [span, place] = [
+        book.interval("table3.shank_length")?,
+        book.interval("table3.shank_centre")?,
+    ];
+    // The most that rounding allows.
+    let widest = mass.upper * place.upper * (span.upper - place.upper);
     let length = book.value("table3.shank_length")?;
     let centre = book.value("table3.shank_centre")?;
     let middle = 0.5 * (mass.lower + mass.upper);
@@ -26,14 +32,14 @@ fn shank(book: &mut Book<'_>) -> Result<(), PublishedError> {
         subject: "Inertia of the shank",
         locator: "Table 3",
         sum: format!(
-            "{} kg within {} m: at most $m L^2/4$ = {any_shown} for any centre, $m l (L-l)$ = {stated_shown} with the centre at {} m; printed {} kg m^2",
+            "{} within {}: at most $m L^2/4$ = {any_shown} for any centre, $m l (L-l)$ = {stated_shown} with the centre at {}; printed {}",
             shown("table3.shank_mass"),
             shown("table3.shank_length"),
             shown("table3.shank_centre"),
             shown("table3.shank_inertia")
         ),
-        outcome: outcome(printed.lower <= any),
-        consequence: "No rod of this mass and length has this inertia: the order of the columns (the headers are lost), or a rotor's inertia, is open.".into(),
+        outcome: outcome(printed.lower <= widest),
+        consequence: "No body of this mass and length with its centre there has this inertia, whatever the rounding; with the centre free only one with most of its mass at its two ends. The order of the columns (the headers are lost), or a rotor's inertia, is open.".into(),
         claims: &["C11", "C12"],
     });
     Ok(())

@@ -29,7 +29,7 @@ impl Stage for Audit {
             .work
             .insert("sums".to_owned(), audit.items.len() as u64);
         output.values = audit.values;
-        output.sections = vec![audit.section];
+        output.sections = audit.sections;
         Ok(output)
     }
 }
