@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use diagnosis::{Diagnosed, Options, diagnose_fully};
-use report::{Block, Cell, Column, Evidence, Section, Table, Value};
+use report::{Block, Cell, Column, Evidence, Section, Table, Value, typeset};
 use rig::ModelFile;
 
 use crate::diagnosis_page::{blocks, lead};
@@ -207,7 +207,7 @@ fn cord_table(rigid: &Diagnosed, corded: &Diagnosed, evidence: Evidence) -> Tabl
             .enumerate()
             .map(|(k, p)| {
                 vec![
-                    p.name.clone().into(),
+                    Cell::Prose(typeset(&p.name).into()),
                     cell(&rigid.plain, k),
                     cell(&corded.plain, k),
                     cell(&corded.extension, k),

@@ -117,7 +117,7 @@ fn section(blocks: Vec<Block>) -> Section {
         lead: "With the asymmetric brush the largest forward force rises by {{ v(\"envelope.gain.pitch-5\", 4) }}, \
                {{ v(\"envelope.gain.pitch0\", 4) }} and {{ v(\"envelope.gain.pitch+5\", 4) }} at the paper's pitches of \
                -5, 0 and 5 deg; the paper prints {{ published(\"envelope.gain.pitch-5\") }}, \
-               {{ published(\"envelope.gain.pitch0\") }} and {{ published(\"envelope.gain.pitch+5\") }} %."
+               {{ published(\"envelope.gain.pitch0\") }} and {{ published(\"envelope.gain.pitch+5\") }}."
             .into(),
         method: Some(
             "Torso and one leg, hip at the torso's centre, at rest with the foot fixed: \
@@ -142,7 +142,7 @@ fn bindings(
     pitch: f64,
 ) -> Result<(Vec<Cell>, f64), StageError> {
     let map = ForceMap::new(biped, Variant::NATURAL, posture)?;
-    let mut row: Vec<Cell> = vec![Cell::Text(format!("{pitch:+.0} deg"))];
+    let mut row: Vec<Cell> = vec![Cell::Text(signed(pitch))];
     let mut gap: f64 = 0.0;
     for (brush, exact) in [
         (brush.symmetric(), gain.symmetric_n),
@@ -196,8 +196,18 @@ fn mechanism_table(rows: Vec<Vec<Cell>>) -> Table {
         ],
         rows,
         evidence: Some(Evidence::Computed),
+        provenance: Some(Provenance::here("envelope", "biped::envelope::programme")),
         claims: vec!["C12".into()],
         ..Table::default()
+    }
+}
+
+/// A pitch with its sign, of which zero has none.
+fn signed(pitch: f64) -> String {
+    if pitch == 0.0 {
+        "0 deg".into()
+    } else {
+        format!("{pitch:+.0} deg")
     }
 }
 
@@ -253,7 +263,7 @@ fn panel(
     );
     Ok(Figure::new(
         &id,
-        &format!("Force envelope at pitch {pitch:+.0} deg"),
+        &format!("Force envelope at pitch {}", signed(pitch)),
         caption,
         Evidence::Computed,
         plot,

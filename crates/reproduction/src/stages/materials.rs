@@ -343,6 +343,7 @@ fn section(all: &[Dependence]) -> Section {
     }
 }
 
+#[track_caller]
 fn provenance(all: &[Dependence], function: &str) -> Provenance {
     let mut made = Provenance::here("materials", function);
     for (path, hash) in all.iter().flat_map(|one| &one.inputs) {
@@ -459,6 +460,7 @@ fn table(all: &[Dependence], evidence: Evidence) -> Table {
             })
             .collect(),
         evidence: Some(evidence),
+        provenance: Some(provenance(all, "table")),
         claims: ["C05", "C09"].map(String::from).to_vec(),
         ..Table::default()
     }

@@ -360,8 +360,8 @@ fn figure(
 fn table(hypotheses: &[Hypothesis], evidence: Evidence) -> Table {
     Table {
         id: "validation-stiffness".into(),
-        title: "What the model asks of sigma0 for another brush".into(),
-        caption: "Prediction of the 3x3 records under three readings of sigma0 = k/(N h), nothing refitted.".into(),
+        title: "What the model asks of σ₀ for another brush".into(),
+        caption: "Prediction of the 3x3 records under three readings of $\\sigma_0 = k/(N h)$, nothing refitted.".into(),
         columns: vec![
             Column::text("reading"),
             Column::number("$\\sigma_0$", "1/rad"),
@@ -378,6 +378,7 @@ fn table(hypotheses: &[Hypothesis], evidence: Evidence) -> Table {
             })
             .collect(),
         evidence: Some(evidence),
+        provenance: Some(Provenance::here("validation", "hypotheses")),
         claims: ["C03", "C16", "C20"].map(String::from).to_vec(),
         ..Table::default()
     }

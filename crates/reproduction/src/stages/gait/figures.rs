@@ -234,6 +234,7 @@ pub(super) fn choices(rows: &[Choice]) -> Table {
         ],
         rows,
         evidence: Some(Evidence::Computed),
+        provenance: Some(Provenance::here("gait", "biped::gait::chain::solve_all")),
         claims: vec!["C11".into(), "C22".into()],
         ..Table::default()
     }

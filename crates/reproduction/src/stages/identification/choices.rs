@@ -62,7 +62,7 @@ pub(crate) fn axes() -> Vec<(String, Vec<String>)> {
     [
         ("cosine factor", ["all terms", "stiffness term"]),
         ("Stribeck exponent", ["2", "1/2"]),
-        ("theta0", ["free", "held"]),
+        ("θ₀", ["free", "held"]),
         ("weights", ["noise of the record", "all samples alike"]),
     ]
     .into_iter()

@@ -151,10 +151,7 @@ impl Sweep {
             series,
         );
         plot.rules = vec![Rule::Horizontal(1.0, String::new())];
-        let mut made = Provenance::here("identification", "cord::sweep");
-        for (path, hash) in &self.inputs {
-            made = made.with_input(path.clone(), hash.clone());
-        }
+        let made = self.provenance();
         Figure::new(
             "identified-cord",
             "What a forgotten cord does to the parameters",
@@ -164,6 +161,14 @@ impl Sweep {
             made,
         )
         .with_claims(&["C01", "C19"])
+    }
+
+    #[track_caller]
+    fn provenance(&self) -> Provenance {
+        let made = Provenance::here("identification", "cord::sweep");
+        self.inputs.iter().fold(made, |made, (path, hash)| {
+            made.with_input(path.clone(), hash.clone())
+        })
     }
 
     pub(super) fn table(&self) -> Table {
@@ -203,6 +208,7 @@ impl Sweep {
             columns,
             rows,
             evidence: Some(self.evidence),
+            provenance: Some(self.provenance()),
             claims: vec!["C19".into()],
             ..Table::default()
         }

@@ -19,6 +19,7 @@ pub(in crate::stages) fn stamped(evidence: Evidence, caption: &str) -> String {
     }
 }
 
+#[track_caller]
 fn provenance(function: &str, one: &Identified) -> Provenance {
     let mut made = Provenance::here("identification", function);
     for (path, hash) in &one.campaign.input_hashes {
@@ -201,7 +202,7 @@ pub(super) fn ray(one: &Identified, paper: &PaperForm) -> Figure {
     Figure::new(
         "identified-ray",
         "The scale ray: three parameters that no record determines",
-        stamped(one.evidence, "Profiles in the paper's own parameters. sigma, theta_c and theta_s can be multiplied by ten or divided by ten and the fit stays the same; sigma0 moved by a few percent ruins it."),
+        stamped(one.evidence, "Profiles in the paper's own parameters. $\\sigma$, $\\theta_c$ and $\\theta_s$ can be multiplied by ten or divided by ten and the fit stays the same; $\\sigma_0$ moved by a few percent ruins it."),
         one.evidence,
         LinePlot::new(
             Axis::new("factor on the parameter", "1").log(),

@@ -64,11 +64,11 @@ const LEANS: [(&str, &str); 4] = [
         "audit.lean.all_terms.top.joint",
     ),
     (
-        "cosine on the sigma0 term, mean from 10 to 60 mm/s",
+        "cosine on the stiffness term, mean from 10 to 60 mm/s",
         "audit.lean.stiffness_only.mean.joint",
     ),
     (
-        "cosine on the sigma0 term, at 60 mm/s",
+        "cosine on the stiffness term, at 60 mm/s",
         "audit.lean.stiffness_only.top.joint",
     ),
 ];
@@ -111,7 +111,7 @@ fn held_leans(
             let mut question = Question::of(LawKind::AsymmetricBristle)
                 .holding("theta0", lean)
                 .near(&aluminium.found);
-            if reading.contains("sigma0 term") {
+            if reading.contains("stiffness term") {
                 question.placement = friction::CosinePlacement::StiffnessOnly;
             }
             question.intervals = false;
@@ -284,6 +284,7 @@ fn section(
         figures::residual(aluminium).into(),
         tables::parameters(aluminium).into(),
         Block::prose(FIT_WORDS),
+        tables::counterfaces(materials).into(),
         tables::widths(materials).into(),
         tables::noise(materials).into(),
         Block::heading("identification-known", "What the data determine"),
