@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use report::{NegativeControl, Value};
+use report::{NegativeControl, Value, typeset};
 
 use crate::audit;
 use crate::claims::Claim;
@@ -91,7 +91,7 @@ pub fn run(
         let after = verdicts(claims, &damaged, &found)?;
         controls.push(NegativeControl {
             id: format!("N{number}"),
-            mutation: (*words).into(),
+            mutation: typeset(words).into(),
             expected: expected.iter().map(|id| (*id).to_owned()).collect(),
             turned: before
                 .iter()

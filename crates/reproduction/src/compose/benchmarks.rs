@@ -4,7 +4,8 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use report::{Block, Cell, Column, Evidence, NoticeKind, Section, Table, Value, literal};
+use report::figure::Provenance;
+use report::{Block, Cell, Column, Evidence, NoticeKind, Section, Table, Value, literal, typeset};
 use serde_json::Value as Json;
 
 /// Counts as they lie in `data/`.
@@ -14,6 +15,8 @@ pub struct Benchmarks {
     pub coverage: Option<Json>,
     /// `data/hidden-effects.json`.
     pub hidden_effects: Option<Json>,
+    /// Hash of each of these files, by its path in the repository.
+    pub hashes: BTreeMap<String, String>,
     /// Fingerprint of the diagnosis as it is now.
     pub diagnosis: String,
 }
@@ -24,20 +27,26 @@ impl Benchmarks {
     /// # Errors
     /// A file that is there and cannot be read.
     pub fn read(root: &Path) -> Result<Self, String> {
-        let file = |name: &str| -> Result<Option<Json>, String> {
+        let mut hashes = BTreeMap::new();
+        let mut file = |name: &str| -> Result<Option<Json>, String> {
             let path = root.join("data").join(name);
             if !path.is_file() {
                 return Ok(None);
             }
             let refuse = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
             let text = std::fs::read_to_string(&path).map_err(|error| refuse(&error))?;
+            let hash = blake3::hash(text.as_bytes()).to_hex().to_string();
+            hashes.insert(format!("data/{name}"), hash);
             serde_json::from_str(&text)
                 .map(Some)
                 .map_err(|error| refuse(&error))
         };
+        let coverage = file("coverage.json")?;
+        let hidden_effects = file("hidden-effects.json")?;
         Ok(Self {
-            coverage: file("coverage.json")?,
-            hidden_effects: file("hidden-effects.json")?,
+            coverage,
+            hidden_effects,
+            hashes,
             diagnosis: diagnosis_fingerprint(root),
         })
     }
@@ -81,7 +90,7 @@ pub(super) fn section(benchmarks: &Benchmarks, values: &BTreeMap<String, Value>)
         "Do 95 % intervals hold?",
     )];
     match &benchmarks.coverage {
-        Some(counts) => coverage(counts, values, &mut blocks),
+        Some(counts) => coverage(benchmarks, counts, values, &mut blocks),
         None => blocks.push(not_measured("coverage")),
     }
     blocks.push(Block::heading(
@@ -89,7 +98,7 @@ pub(super) fn section(benchmarks: &Benchmarks, values: &BTreeMap<String, Value>)
         "Does the diagnosis name what was hidden?",
     ));
     match &benchmarks.hidden_effects {
-        Some(counts) => hidden_effects(counts, &benchmarks.diagnosis, &mut blocks),
+        Some(counts) => hidden_effects(benchmarks, counts, &mut blocks),
         None => blocks.push(not_measured("hidden-effects")),
     }
     Section {
@@ -126,7 +135,22 @@ fn text(json: &Json) -> String {
         .map_or_else(|| json.to_string(), str::to_owned)
 }
 
-fn coverage(counts: &Json, values: &BTreeMap<String, Value>, blocks: &mut Vec<Block>) {
+/// The file that a table was counted into.
+#[track_caller]
+fn provenance(benchmarks: &Benchmarks, function: &str, file: &str) -> Provenance {
+    let made = Provenance::here("benchmarks", function);
+    match benchmarks.hashes.get(file) {
+        Some(hash) => made.with_input(file, hash),
+        None => made,
+    }
+}
+
+fn coverage(
+    benchmarks: &Benchmarks,
+    counts: &Json,
+    values: &BTreeMap<String, Value>,
+    blocks: &mut Vec<Block>,
+) {
     let campaigns = counts["campaigns"].as_object().into_iter().flatten();
     let mut rows = Vec::new();
     let mut changed = false;
@@ -141,7 +165,7 @@ fn coverage(counts: &Json, values: &BTreeMap<String, Value>, blocks: &mut Vec<Bl
             let covered = parameter["covered"].as_f64().unwrap_or(f64::NAN) / total;
             let error = 100.0 * (covered * (1.0 - covered) / total).sqrt();
             rows.push(vec![
-                Cell::Text(format!("{name}, {}", text(&parameter["name"]))),
+                Cell::Prose(typeset(&format!("{name}, {}", text(&parameter["name"]))).into()),
                 Cell::Number(total),
                 share("covered", total),
                 Cell::from(error),
@@ -178,6 +202,7 @@ fn coverage(counts: &Json, values: &BTreeMap<String, Value>, blocks: &mut Vec<Bl
             ],
             rows,
             evidence: Some(Evidence::Synthetic),
+            provenance: Some(provenance(benchmarks, "coverage", "data/coverage.json")),
             ..Table::default()
         }
         .into(),
@@ -209,8 +234,8 @@ fn still_so(campaign: &str, parameter: &Json, values: &BTreeMap<String, Value>) 
     })
 }
 
-fn hidden_effects(counts: &Json, diagnosis: &str, blocks: &mut Vec<Block>) {
-    if counts["diagnosis"].as_str() != Some(diagnosis) {
+fn hidden_effects(benchmarks: &Benchmarks, counts: &Json, blocks: &mut Vec<Block>) {
+    if counts["diagnosis"].as_str() != Some(&benchmarks.diagnosis) {
         blocks.push(stale("diagnosis"));
     }
     blocks.push(Block::prose(literal(&format!(
@@ -225,13 +250,11 @@ fn hidden_effects(counts: &Json, diagnosis: &str, blocks: &mut Vec<Block>) {
             return;
         };
         if cases > 0.0 {
-            let percent = |x: &Json| x.as_f64().map_or(f64::NAN, |x| 100.0 * x);
-            let ends = [percent(&share["ci95"][0]), percent(&share["ci95"][1])];
             rows.push(vec![
                 Cell::Text(what),
                 Cell::Number(cases),
                 Cell::Number(hits),
-                Cell::Interval(percent(&share["share"]), ends),
+                exact(share),
             ]);
         }
     };
@@ -272,15 +295,26 @@ fn hidden_effects(counts: &Json, diagnosis: &str, blocks: &mut Vec<Block>) {
             ],
             rows,
             evidence: Some(Evidence::Synthetic),
+            provenance: Some(provenance(benchmarks, "hidden_effects", "data/hidden-effects.json")),
             ..Table::default()
         }
         .into(),
     );
-    blocks.push(groups(counts));
+    blocks.push(groups(benchmarks, counts));
+}
+
+/// A share with its exact interval, percent.
+fn exact(share: &Json) -> Cell {
+    let percent = |x: &Json| x.as_f64().map_or(f64::NAN, |x| 100.0 * x);
+    let ends = [percent(&share["ci95"][0]), percent(&share["ci95"][1])];
+    match percent(&share["share"]) {
+        middle if middle.is_finite() => Cell::Interval(middle, ends),
+        _ => Cell::Missing("not counted".into()),
+    }
 }
 
 /// Verdicts by group of trials.
-fn groups(counts: &Json) -> Block {
+fn groups(benchmarks: &Benchmarks, counts: &Json) -> Block {
     let groups = [
         ("pairs", "two causes"),
         ("triples", "three causes"),
@@ -296,6 +330,7 @@ fn groups(counts: &Json) -> Block {
             let cases = group.get("cases")?.as_f64().filter(|cases| *cases > 0.0)?;
             let verdicts: Vec<String> = group
                 .iter()
+                .filter_map(|(name, count)| Some((name, count.as_u64()?)))
                 .filter(|(name, _)| *name != "cases")
                 .map(|(name, count)| format!("{count} {name}"))
                 .collect();
@@ -303,6 +338,7 @@ fn groups(counts: &Json) -> Block {
                 Cell::Text((*words).to_owned()),
                 Cell::Number(cases),
                 Cell::Text(verdicts.join(", ")),
+                exact(&group["exact"]),
             ])
         })
         .collect();
@@ -314,9 +350,11 @@ fn groups(counts: &Json) -> Block {
             Column::text("hidden"),
             Column::number("cases", "1"),
             Column::text("answers"),
+            Column::number("exactly right", "%"),
         ],
         rows,
         evidence: Some(Evidence::Synthetic),
+        provenance: Some(provenance(benchmarks, "groups", "data/hidden-effects.json")),
         ..Table::default()
     }
     .into()

@@ -31,7 +31,10 @@ pub(super) fn row(
         .map(|text| typeset(&text).into());
     row.tolerance = typeset(&claim.tolerance_text).into();
     row.reason = typeset(&claim.reason).into();
-    row.flips_at = flips_at(&judged.checks).map(|factor| flip_words(factor).into());
+    row.flips_at = (judged.verdict != Verdict::NotTestable)
+        .then(|| flips(&judged.checks))
+        .flatten()
+        .map(Into::into);
     row.account = told(&claim.account, known);
     row.values = judged
         .checks
@@ -44,7 +47,7 @@ pub(super) fn row(
         .filter(|(id, claims)| claims.contains(&claim.id) || claim.figures.contains(id))
         .map(|(id, _)| id.clone())
         .collect();
-    row.pinned_by = Some("tests/tests/reproduce.rs".into());
+    row.pinned_by = Some("crates/reproduction/tests/drift.rs".into());
     row
 }
 
@@ -144,6 +147,24 @@ fn deviation(checks: &[Check]) -> Option<String> {
     (!outside.is_empty()).then(|| outside.join("; "))
 }
 
+/// Where the verdict flips: checks without a tolerance (counts, orders) hold or fail whatever the others are given.
+fn flips(checks: &[Check]) -> Option<String> {
+    let (given, without): (Vec<Check>, Vec<Check>) = checks
+        .iter()
+        .cloned()
+        .partition(|check| check.tolerance > 0.0);
+    if checks.is_empty() || checks.iter().any(|check| check.gap().is_none()) {
+        return None;
+    }
+    if given.is_empty() {
+        return Some("at no tolerance: none takes part".to_owned());
+    }
+    if without.iter().any(|check| check.gap() > Some(0.0)) {
+        return Some("at no tolerance: a check that has none fails".to_owned());
+    }
+    flips_at(&given).map(flip_words)
+}
+
 fn flip_words(factor: f64) -> String {
     if factor > 1.0 {
         format!(
@@ -174,7 +195,7 @@ pub(super) fn deviations(claims: &[(Claim, Judged)], known: &BTreeSet<&str>) -> 
 }
 
 /// A text that names values, if they are all there; in a partial run they need not be.
-fn told(text: &str, known: &BTreeSet<&str>) -> Prose {
+pub(super) fn told(text: &str, known: &BTreeSet<&str>) -> Prose {
     let named = text
         .split("(\"")
         .skip(1)

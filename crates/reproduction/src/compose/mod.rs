@@ -1,6 +1,8 @@
 //! The page: results and the sections of the stages brought together as a document.
 
 mod benchmarks;
+mod equations;
+mod inputs;
 mod ledger;
 mod notes;
 
@@ -42,11 +44,15 @@ pub fn document(results: &Results, around: Surroundings) -> Document {
     let sections: Vec<Section> = results
         .stages
         .iter()
-        .filter_map(|stage| stage.output.as_ref().ok())
-        .flat_map(|output| output.sections.clone())
+        .filter_map(|stage| {
+            let sections = stage.output.as_ref().ok()?.sections.clone();
+            Some(inputs::with_inputs(sections, &stage.inputs))
+        })
+        .flatten()
         .collect();
     let mut sections = sections;
     sections.push(benchmarks::section(&around.benchmarks, &results.values));
+    sections.push(equations::section());
     let anchors = anchors(&sections);
     let known: BTreeSet<&str> = results.values.keys().map(String::as_str).collect();
     Document {
@@ -76,7 +82,7 @@ pub fn document(results: &Results, around: Surroundings) -> Document {
         synthetic: notes::synthetic(&around.campaigns),
         unpublished: notes::unpublished(),
         out_of_scope: notes::out_of_scope(),
-        choices: notes::choices(),
+        choices: notes::choices(&known),
         glossary: notes::glossary(),
         results: results.json(),
         values,

@@ -1,7 +1,11 @@
 //! Texts that stand beside the results whatever they are: what is synthetic, what is not published, which choices were
 //! made, what could be wrong.
 
-use report::{Choice, Prose, Status, Symbol, literal};
+use std::collections::BTreeSet;
+
+use report::{Choice, Prose, Status, Symbol, literal, typeset, typeset_prose};
+
+use super::ledger::told;
 
 /// How this report could be wrong.
 pub(super) fn doubts() -> Vec<Prose> {
@@ -44,7 +48,7 @@ pub(super) fn unpublished() -> Vec<Prose> {
         "the window over which the steady coefficients were averaged",
         "which symmetric model Figs 11 and 12 use (E8 or the constant coefficient)",
     ]
-    .map(Prose::from)
+    .map(|text| typeset_prose(text).into())
     .to_vec()
 }
 
@@ -60,12 +64,12 @@ pub(super) fn out_of_scope() -> Vec<Prose> {
 }
 
 /// Every reconstruction choice with its status.
-pub(super) fn choices() -> Vec<Choice> {
+pub(super) fn choices(known: &BTreeSet<&str>) -> Vec<Choice> {
     let choice = |subject: &str, taken: &str, status, sensitivity: &str| Choice {
-        subject: subject.into(),
-        taken: taken.into(),
+        subject: typeset(subject).into(),
+        taken: typeset_prose(taken).into(),
         status,
-        sensitivity: sensitivity.into(),
+        sensitivity: told(sensitivity, known),
     };
     vec![
         choice(
@@ -96,10 +100,10 @@ pub(super) fn choices() -> Vec<Choice> {
             "E7, cosine on the damping and viscous terms",
             "on all terms",
             Status::Inferred,
-            "the table of leans: theta0 moves by about 0.01 rad",
+            "theta0 from {{ v(\"audit.lean.all_terms.mean.joint\") }} to {{ v(\"audit.lean.stiffness_only.mean.joint\") }} with the cosine on the stiffness term alone",
         ),
         choice(
-            "theta0",
+            "theta0, the lean",
             "free in the fit; from the printed steady coefficients elsewhere",
             Status::Inferred,
             "direction dependence as a whole: the table of leans",
@@ -126,7 +130,7 @@ pub(super) fn choices() -> Vec<Choice> {
             "Envelope, body",
             "torso and one leg, hip at the torso's centre",
             Status::Inferred,
-            "up to 3.5 percentage points between variants",
+            "at level pitch the gain runs from {{ v(\"envelope.family.pitch0.lowest\") }} to {{ v(\"envelope.family.pitch0.highest\") }} over all variants",
         ),
         choice(
             "Sign of the pitch",
