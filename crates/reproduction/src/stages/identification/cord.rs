@@ -197,7 +197,7 @@ impl Sweep {
                 .found
                 .estimate(name)
                 .map_or("", |e| e.unit.as_str());
-            Column::number(*name, unit)
+            Column::number(super::tables::symbol(name), unit)
         }));
         columns.push(Column::number("residual", "1"));
         columns.push(Column::number("loss of fit", "1"));

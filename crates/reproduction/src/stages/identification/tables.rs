@@ -8,7 +8,7 @@ use report::{Cell, Column, Evidence, Table};
 use super::cord::NAMES;
 use super::{HeldLean, Identified};
 
-fn symbol(name: &str) -> &str {
+pub(super) fn symbol(name: &str) -> &str {
     match name {
         "theta_c_over_sigma" => "$\\theta_c/\\sigma$",
         "theta_s_over_sigma" => "$\\theta_s/\\sigma$",
