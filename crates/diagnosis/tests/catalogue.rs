@@ -10,7 +10,7 @@ use rig::{Cause, Experiment, Model, Requirement, Station};
 use rigs::{BRISTLE, LUGRE, rich};
 
 /// Ids, stations and reported parameters, as other programs know them.
-const VOCABULARY: [(&str, &str, &[&str]); 28] = [
+const VOCABULARY: [(&str, &str, &[&str]); 29] = [
     (
         "stage-ripple",
         "stage",
@@ -26,6 +26,7 @@ const VOCABULARY: [(&str, &str, &[&str]); 28] = [
     ("lean-angle", "law", &["angle_rad"]),
     ("bristle-set", "history", &["angle_rad", "runs"]),
     ("wear", "history", &["amplitude", "distance_m"]),
+    ("wear", "history", &["amplitude_per_decade", "distance_m"]),
     (
         "thermal-softening",
         "history",
