@@ -1,9 +1,10 @@
 """The sweep of Fig. 12 by both programs: same problems, same starts, one thread each.
 
-    python race.py data/strides.json CERTIFY [own|next]
+    python race.py data/strides.json CERTIFY [own|next|COLD.json]
 
 CERTIFY is the built example of that name (target/release/examples/certify). Starts: `own`, the shipped start of each problem, or
-`next`, the shipped start of the problem at the next smaller weight (of the next brush, at the smallest). Times are
+`next`, the shipped start of the problem at the next smaller weight (of the next brush, at the smallest), or one cold start for all
+(`compliant.json` of the example `cold_starts`). Times are
 processor times of the solves; reading files and building CasADi's functions do not count for IPOPT, reading files does for ours.
 Two strides are one minimum by their distance, never by their cost.
 """
@@ -24,6 +25,10 @@ CONTACT, AIM = (2e5, 1.0), 20.0
 
 
 def starts(path, which):
+    if which not in ("own", "next"):
+        cold = json.loads(Path(which).read_text())
+        yield from ((brush, weight, cold) for brush in BRUSHES for weight in WEIGHTS)
+        return
     rows = json.loads(Path(path).read_text())["starts"]
     own = {(r["brush"], r["weight"]): r["x"] for r in rows
            if r["kind"] == "compliant" and (r["k"], r["c"]) == CONTACT and r["aim"] == AIM and r["choice"] == "own"}
