@@ -63,4 +63,15 @@ pub struct Drift {
     pub rows: Vec<DriftRow>,
     /// Verdicts that changed: (claim, before, now).
     pub verdicts: Vec<(String, String, String)>,
+    /// Claims with one verdict in both reports for which the earlier values, judged by the present rules, ask for another:
+    /// (claim, by the earlier values, now).
+    pub by_values: Vec<(String, String, String)>,
+}
+
+impl Drift {
+    /// Whether both reports say the same.
+    #[must_use]
+    pub fn nothing(&self) -> bool {
+        self.rows.is_empty() && self.verdicts.is_empty() && self.by_values.is_empty()
+    }
 }

@@ -1,10 +1,16 @@
 //! What changed against an earlier report: the results that it embeds, set beside the present ones.
 
-use std::collections::BTreeMap;
+mod flips;
+
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use report::{Drift, DriftClass, DriftRow};
 use serde_json::Value as Json;
+
+use crate::published::PublishedError;
+
+pub use flips::Rules;
 
 /// Element of the page that holds the results.
 const OPEN: &str = "<script type=\"application/json\" id=\"results\">";
@@ -71,16 +77,25 @@ pub fn tolerance(id: &str) -> f64 {
     }
 }
 
-/// Sets the present results beside earlier ones.
-#[must_use]
-pub fn compare(path: &Path, old: &Json, new: &Json) -> Drift {
+/// Sets the present results beside earlier ones. The verdicts of the earlier report are read, and its values are judged
+/// anew by the present rules: a value that was altered without its verdict flips its claims all the same.
+///
+/// # Errors
+/// Where a published number that a claim names is missing.
+pub fn compare(
+    path: &Path,
+    old: &Json,
+    new: &Json,
+    rules: &Rules<'_>,
+) -> Result<Drift, PublishedError> {
     let (old_values, new_values) = (values(old), values(new));
     let inputs_differ = inputs(old) != inputs(new);
     let verdicts = verdicts(old, new);
+    let judged = flips::Judged::new(rules, old, new)?;
+    let by_values = judged.by_values(&verdicts);
     let mut unchanged = 0;
     let mut rows = Vec::new();
-    let ids: std::collections::BTreeSet<&String> =
-        old_values.keys().chain(new_values.keys()).collect();
+    let ids: BTreeSet<&String> = old_values.keys().chain(new_values.keys()).collect();
     for id in ids {
         let (before, now) = (old_values.get(id), new_values.get(id));
         let number = |side: Option<&(Option<f64>, String)>| side.and_then(|(value, _)| *value);
@@ -90,12 +105,6 @@ pub fn compare(path: &Path, old: &Json, new: &Json) -> Drift {
             unchanged += 1;
             continue;
         }
-        let used = match (a, b) {
-            (Some(a), Some(b)) => {
-                Some(100.0 * (a - b).abs() / (tolerance(id) * a.abs().max(b.abs())))
-            }
-            _ => None,
-        };
         rows.push(DriftRow {
             id: id.clone(),
             old: a,
@@ -104,12 +113,18 @@ pub fn compare(path: &Path, old: &Json, new: &Json) -> Drift {
                 .or(before)
                 .map(|(_, unit)| unit.clone())
                 .unwrap_or_default(),
-            tolerance_used_percent: used,
-            class: class(a, b, used, inputs_differ),
-            flips: flips(id, old, new, &verdicts),
+            tolerance_used_percent: used(id, a, b),
+            class: class(a, b, used(id, a, b), inputs_differ),
+            flips: judged.alone(id)?,
         });
     }
-    Drift {
+    let moved: Vec<&String> = verdicts
+        .iter()
+        .chain(&by_values)
+        .map(|(id, ..)| id)
+        .collect();
+    share(&mut rows, &moved, old, new);
+    Ok(Drift {
         against: path
             .file_name()
             .map(|name| name.to_string_lossy().into_owned())
@@ -118,6 +133,24 @@ pub fn compare(path: &Path, old: &Json, new: &Json) -> Drift {
         unchanged,
         rows,
         verdicts,
+        by_values,
+    })
+}
+
+/// How much of the tolerance the difference uses up, percent.
+fn used(id: &str, old: Option<f64>, new: Option<f64>) -> Option<f64> {
+    let (old, new) = (old?, new?);
+    Some(100.0 * (old - new).abs() / (tolerance(id) * old.abs().max(new.abs())))
+}
+
+/// Claims that moved although no value alone flips them go to every changed value on which they rest: together they did.
+fn share(rows: &mut [DriftRow], moved: &[&String], old: &Json, new: &Json) {
+    let alone: BTreeSet<String> = rows.iter().flat_map(|row| row.flips.clone()).collect();
+    for claim in moved.iter().filter(|claim| !alone.contains(**claim)) {
+        let rests = |id: &String| [old, new].iter().any(|side| rests_on(side, claim, id));
+        for row in rows.iter_mut().filter(|row| rests(&row.id)) {
+            row.flips.push((*claim).clone());
+        }
     }
 }
 
@@ -170,22 +203,14 @@ fn verdicts(old: &Json, new: &Json) -> Vec<(String, String, String)> {
         .collect()
 }
 
-/// Claims that rest on a value and whose verdict changed.
-fn flips(id: &str, old: &Json, new: &Json, changed: &[(String, String, String)]) -> Vec<String> {
-    let rests = |results: &Json, claim: &str| {
-        array(results, "claims").any(|entry| {
-            text(entry, "id") == claim
-                && entry["values"]
-                    .as_array()
-                    .is_some_and(|values| values.iter().any(|value| value == id))
-        })
-    };
-    changed
-        .iter()
-        .map(|(claim, ..)| claim)
-        .filter(|claim| rests(old, claim) || rests(new, claim))
-        .cloned()
-        .collect()
+/// Whether a claim says that it rests on a value.
+fn rests_on(results: &Json, claim: &str, id: &str) -> bool {
+    array(results, "claims").any(|entry| {
+        text(entry, "id") == claim
+            && entry["values"]
+                .as_array()
+                .is_some_and(|values| values.iter().any(|value| value == id))
+    })
 }
 
 fn array<'a>(results: &'a Json, key: &str) -> impl Iterator<Item = &'a Json> {
@@ -203,7 +228,7 @@ fn text(entry: &Json, key: &str) -> String {
 /// The comparison in words, for the terminal.
 #[must_use]
 pub fn words(drift: &Drift) -> String {
-    if drift.rows.is_empty() && drift.verdicts.is_empty() {
+    if drift.nothing() {
         return format!(
             "against {}: nothing changed ({} values equal bit for bit)",
             drift.against, drift.unchanged
@@ -244,6 +269,11 @@ pub fn words(drift: &Drift) -> String {
     for (claim, before, now) in &drift.verdicts {
         lines.push(format!("  {claim}: {before} -> {now}"));
     }
+    for (claim, before, now) in &drift.by_values {
+        lines.push(format!(
+            "  {claim}: {before} -> {now} (the earlier values, judged by the present rules; the earlier report says {now})"
+        ));
+    }
     lines.join("\n")
 }
 
@@ -252,43 +282,103 @@ mod tests {
     use super::*;
     use serde_json::json;
 
-    fn results(value: f64, verdict: &str) -> Json {
+    /// Gains of force and of speed with the claims that look at them.
+    fn results(pitch0: f64, gain: f64, verdict: &str) -> Json {
+        let value = |id: &str, value: f64| {
+            let stage = id.split('.').next();
+            json!({"id": id, "value": value, "unit": "percent", "stage": stage, "evidence": "computed"})
+        };
         json!({"schema": crate::results::SCHEMA,
-            "values": [{"id": "envelope.gain.pitch0", "value": value, "unit": "percent"}, {"id": "gait.gain", "value": 3.5, "unit": "percent"}],
-            "claims": [{"id": "C12", "verdict": verdict, "values": ["envelope.gain.pitch0"]}],
+            "values": [value("envelope.gain.pitch-5", 12.61), value("envelope.gain.pitch0", pitch0),
+                value("envelope.gain.pitch+5", 17.52), value("gait.gain", gain)],
+            "claims": [
+                {"id": "C12", "verdict": verdict, "values": ["envelope.gain.pitch-5", "envelope.gain.pitch0", "envelope.gain.pitch+5"]},
+                {"id": "C22", "verdict": "differs", "values": ["gait.gain"]}],
             "stages": [{"id": "envelope", "inputs": {}}]})
+    }
+
+    fn compared(old: &Json, new: &Json) -> Drift {
+        let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
+        let published = crate::published::Published::read(&data.join("published.toml")).unwrap();
+        let claims: Vec<_> = crate::claims::read(&data.join("claims.toml"))
+            .unwrap()
+            .into_iter()
+            .filter(|claim| ["C12", "C22"].contains(&claim.id.as_str()))
+            .collect();
+        let rules = Rules {
+            claims: &claims,
+            published: &published,
+        };
+        compare(Path::new("old.html"), old, new, &rules).unwrap()
     }
 
     #[test]
     fn equal_results_are_no_change() {
-        let drift = compare(
-            Path::new("old.html"),
-            &results(18.6, "differs"),
-            &results(18.6, "differs"),
-        );
+        let same = results(18.6, 4.7, "differs");
         assert_eq!(
-            words(&drift),
-            "against old.html: nothing changed (2 values equal bit for bit)"
+            words(&compared(&same, &same)),
+            "against old.html: nothing changed (4 values equal bit for bit)"
         );
     }
 
     #[test]
     fn a_changed_value_is_named_with_the_claims_that_it_flips() {
-        let drift = compare(
-            Path::new("old.html"),
-            &results(18.79, "reproduced"),
-            &results(18.6, "differs"),
+        let drift = compared(
+            &results(18.79, 4.7, "reproduced"),
+            &results(18.6, 4.7, "differs"),
         );
         assert_eq!(drift.rows.len(), 1);
         assert_eq!(drift.rows[0].flips, ["C12"]);
         assert_eq!(drift.rows[0].class, DriftClass::Physics);
+        assert!(drift.by_values.is_empty(), "said once");
         assert!(words(&drift).contains("C12: reproduced -> differs"));
+    }
+
+    /// The verdicts of the earlier report stay as they were: its values alone must show the flip.
+    #[test]
+    fn a_value_altered_without_its_verdict_flips_its_claims() {
+        let now = results(18.6, 4.7, "differs");
+        let drift = compared(&results(18.79, 4.7, "differs"), &now);
+        assert_eq!(drift.rows[0].flips, ["C12"]);
+        assert!(drift.verdicts.is_empty());
+        let said = words(&drift);
+        assert!(
+            said.contains("C12: reproduced -> differs (the earlier values"),
+            "{said}"
+        );
+        let drift = compared(&results(18.6, 15.0, "differs"), &now);
+        assert_eq!(drift.rows[0].id, "gait.gain");
+        assert_eq!(drift.rows[0].flips, ["C22"]);
+        assert!(words(&drift).contains("flips C22"));
+    }
+
+    /// The range of the gains of force is not among the values of C22, yet it decides.
+    #[test]
+    fn a_value_that_a_claim_does_not_list_flips_it_where_it_decides() {
+        let drift = compared(
+            &results(5.0, 4.7, "differs"),
+            &results(18.6, 4.7, "differs"),
+        );
+        assert_eq!(drift.rows[0].id, "envelope.gain.pitch0");
+        assert_eq!(drift.rows[0].flips, ["C22"]);
+    }
+
+    #[test]
+    fn a_change_that_flips_nothing_says_so_by_an_empty_list() {
+        let drift = compared(
+            &results(18.6, 4.8, "differs"),
+            &results(18.6, 4.7, "differs"),
+        );
+        assert!(drift.rows[0].flips.is_empty());
+        assert!(drift.by_values.is_empty());
     }
 
     #[test]
     fn results_are_found_in_a_page() {
         let folder = std::env::temp_dir().join(format!("bristle-against-{}", std::process::id()));
-        let text = results(18.6, "differs").to_string().replace('<', "\\u003c");
+        let text = results(18.6, 4.7, "differs")
+            .to_string()
+            .replace('<', "\\u003c");
         campaign::write_atomically(
             &folder.join("old.html"),
             format!("<html>{OPEN}{text}{CLOSE}</html>").as_bytes(),
@@ -296,7 +386,7 @@ mod tests {
         .unwrap();
         assert_eq!(
             read(&folder.join("old.html")).unwrap(),
-            results(18.6, "differs")
+            results(18.6, 4.7, "differs")
         );
         campaign::write_atomically(&folder.join("empty.html"), b"<html></html>").unwrap();
         assert!(

@@ -223,6 +223,8 @@ fn drift_view(drift: &Drift, lookup: &Lookup<'_>) -> Value {
         unchanged => drift.unchanged,
         rows,
         verdicts => minijinja::value::Serde(&drift.verdicts),
+        by_values => minijinja::value::Serde(&drift.by_values),
+        nothing => drift.nothing(),
     }
 }
 

@@ -598,6 +598,7 @@ pub fn document() -> Document {
                 flips: vec!["C12".into()],
             }],
             verdicts: vec![("C12".into(), "reproduced".into(), "differs".into())],
+            by_values: vec![("C09".into(), "differs".into(), "consistent".into())],
         }),
         doubts: vec!["The load may not be the weight.".into()],
         controls: vec![

@@ -112,11 +112,17 @@ pub(super) fn run(arguments: &ReproduceArguments) -> Result<Outcome, Failure> {
     let results = inputs.run(&stages, &out, model.as_ref(), arguments.quick)?;
     run.finished = provenance::now();
     run.seconds = results.seconds(|claim| needed(&all, claim));
+    let rules = against::Rules {
+        claims: &inputs.claims,
+        published: &inputs.published,
+    };
     let drift = arguments
         .against
         .as_deref()
         .zip(old.as_ref())
-        .map(|(path, old)| against::compare(path, old, &results.json()));
+        .map(|(path, old)| against::compare(path, old, &results.json(), &rules))
+        .transpose()
+        .map_err(Failure::input)?;
     let drift_words = drift.as_ref().map(against::words);
     let controls = controls::run(&inputs.claims, &inputs.published, &results.values)
         .map_err(Failure::input)?;
