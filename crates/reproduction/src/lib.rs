@@ -19,6 +19,7 @@ pub mod judge;
 pub mod judgements;
 pub mod multiverse;
 pub mod names;
+pub mod numbers;
 pub mod provenance;
 pub mod published;
 pub mod results;

@@ -12,6 +12,7 @@ use crate::claims::{self, Claim};
 use crate::compose::{self, Surroundings};
 use crate::engine::{Engine, closure};
 use crate::names::nearest;
+use crate::numbers::{self, Coverage};
 use crate::published::Published;
 use crate::results::Results;
 use crate::stage::{ModelText, Stage};
@@ -24,6 +25,7 @@ pub(super) struct Inputs {
     pub(super) published: Published,
     pub(super) published_hash: String,
     pub(super) claims: Vec<Claim>,
+    pub(super) numbers: Coverage,
     pub(super) campaigns: Campaigns,
 }
 
@@ -34,10 +36,15 @@ impl Inputs {
         let path = root.join("data/published.toml");
         let text = std::fs::read_to_string(&path)
             .map_err(|error| Failure::Input(format!("{}: {error}", path.display())))?;
+        let published = Published::parse(&text).map_err(Failure::input)?;
+        let claims = claims::read(&root.join("data/claims.toml")).map_err(Failure::input)?;
+        let others =
+            numbers::read(&root.join("data/other-numbers.toml")).map_err(Failure::input)?;
         Ok(Self {
-            published: Published::parse(&text).map_err(Failure::input)?,
+            numbers: numbers::coverage(&published, &claims, &others),
+            published,
             published_hash: blake3::hash(text.as_bytes()).to_hex().to_string(),
-            claims: claims::read(&root.join("data/claims.toml")).map_err(Failure::input)?,
+            claims,
             campaigns: Campaigns::new(&root.join("data/campaigns"), data)
                 .map_err(Failure::input)?,
             root,
@@ -134,6 +141,8 @@ pub(super) fn run(arguments: &ReproduceArguments) -> Result<Outcome, Failure> {
         campaigns,
         repository: provenance::repository(&inputs.root),
         benchmarks: compose::Benchmarks::read(&inputs.root).map_err(Failure::Input)?,
+        published: inputs.published.clone(),
+        numbers: inputs.numbers.clone(),
         quick: arguments.quick,
     };
     let document = compose::document(&results, surroundings);
@@ -147,7 +156,7 @@ pub(super) fn run(arguments: &ReproduceArguments) -> Result<Outcome, Failure> {
     } else {
         Vec::new()
     };
-    summary(&results, &controls, &disagreements, &out);
+    summary(&results, &inputs.numbers, &controls, &disagreements, &out);
     let faulty = !disagreements.is_empty() || controls.iter().any(|control| !control.passed());
     Ok(if faulty {
         Outcome::Disagrees
@@ -243,7 +252,13 @@ pub(super) fn disagreements(results: &Results) -> Vec<String> {
 }
 
 /// Five lines.
-fn summary(results: &Results, controls: &[NegativeControl], disagreements: &[String], out: &Path) {
+fn summary(
+    results: &Results,
+    numbers: &Coverage,
+    controls: &[NegativeControl],
+    disagreements: &[String],
+    out: &Path,
+) {
     let counts: Vec<String> = compose::counts(results)
         .into_iter()
         .map(|(verdict, count)| format!("{count} {}", verdict.word()))
@@ -254,7 +269,11 @@ fn summary(results: &Results, controls: &[NegativeControl], disagreements: &[Str
         .filter(|stage| stage.status() == "done")
         .count();
     let passed = controls.iter().filter(|control| control.passed()).count();
-    println!("claims    {}", counts.join(", "));
+    println!(
+        "claims    {}; {}",
+        counts.join(", "),
+        compose::completeness_words(numbers)
+    );
     println!("stages    {done} of {} done", results.stages.len());
     println!(
         "controls  {passed} of {} turned exactly the claims that they must",

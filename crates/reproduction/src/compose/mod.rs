@@ -1,6 +1,7 @@
 //! The page: results and the sections of the stages brought together as a document.
 
 mod benchmarks;
+mod completeness;
 mod equations;
 mod inputs;
 mod ledger;
@@ -13,9 +14,12 @@ use report::{
     Value, Verdict,
 };
 
+use crate::numbers::Coverage;
+use crate::published::Published;
 use crate::results::Results;
 
 pub use benchmarks::{Benchmarks, diagnosis_fingerprint};
+pub(crate) use completeness::words as completeness_words;
 
 /// What the page shows besides the results.
 pub struct Surroundings {
@@ -33,6 +37,10 @@ pub struct Surroundings {
     pub repository: Option<String>,
     /// What benchmarks counted, as it stands in data/.
     pub benchmarks: Benchmarks,
+    /// The paper's numbers.
+    pub published: Published,
+    /// Where each of them stands.
+    pub numbers: Coverage,
     /// Whether fewer starts and repetitions were used.
     pub quick: bool,
 }
@@ -54,6 +62,15 @@ pub fn document(results: &Results, around: Surroundings) -> Document {
     sections.push(benchmarks::section(&around.benchmarks, &results.values));
     sections.push(equations::section());
     let anchors = anchors(&sections);
+    let parts: BTreeSet<String> = ["audit".to_owned()]
+        .into_iter()
+        .chain(anchors.iter().map(|(id, _)| id.clone()))
+        .collect();
+    sections.push(completeness::section(
+        &around.numbers,
+        &around.published,
+        &parts,
+    ));
     let known: BTreeSet<&str> = results.values.keys().map(String::as_str).collect();
     Document {
         title: "Asymmetric bristle model for steel brush: what holds".into(),
@@ -207,6 +224,14 @@ fn facts(results: &Results, around: &Surroundings) -> Vec<(String, String)> {
         (
             "Negative controls as expected".into(),
             format!("{passed} of {}", around.controls.len()),
+        ),
+        (
+            "Printed numbers without a place".into(),
+            format!(
+                "{} of {}",
+                around.numbers.unledgered.len(),
+                around.numbers.printed
+            ),
         ),
         ("Threads".into(), "any number, same bytes".into()),
     ]
