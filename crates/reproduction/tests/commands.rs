@@ -261,3 +261,34 @@ fn a_real_tribometer_record_is_checked_and_identified() {
             .contains("What the law leaves")
     );
 }
+
+#[test]
+fn two_processes_with_one_thread_and_with_all_leave_the_same_bytes() {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().join("out");
+    let arguments = [
+        "reproduce",
+        "--stage",
+        "envelope",
+        "--out",
+        out.to_str().unwrap(),
+    ];
+    let once = run(&arguments);
+    assert_eq!(once.code, 0, "{}", once.stderr);
+    let page = fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.contains("id=\"bit-identity\"") && !page.contains("bit-identity-hashes"));
+    fs::remove_dir_all(out.join(".cache")).unwrap();
+    let twice = run(&[&arguments[..], &["--twice"]].concat());
+    assert_eq!(twice.code, 0, "{}", twice.stderr);
+    assert!(
+        twice
+            .stdout
+            .starts_with("twice     results, tables and figures are equal byte for byte"),
+        "{}",
+        twice.stdout
+    );
+    let page = fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.contains("id=\"bit-identity-hashes\""));
+    assert!(!out.join(".twice").exists(), "no trace is left");
+    assert!(out.join(".cache").is_dir(), "what was computed is kept");
+}

@@ -11,6 +11,7 @@ mod packages;
 mod reproduce;
 mod root;
 mod simulate;
+mod twice;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -22,7 +23,7 @@ use clap::{Args, Parser, Subcommand};
 pub enum Outcome {
     /// 0: done, whatever was found.
     Done,
-    /// 1: verdicts or values on shipped data are not the pinned ones.
+    /// 1: verdicts or values on shipped data are not the pinned ones, or two runs differ.
     Disagrees,
 }
 
@@ -56,7 +57,7 @@ impl Failure {
     propagate_version = true
 )]
 #[command(
-    after_help = "stand-ins [--check]  regenerates the stand-in campaigns, or checks that they are what the recipe makes\n\nExit codes: 0 done; 1 verdicts or values on shipped data are not the pinned ones; 2 bad input or usage; 3 no result could be written."
+    after_help = "stand-ins [--check]  regenerates the stand-in campaigns, or checks that they are what the recipe makes\n\nExit codes: 0 done; 1 verdicts or values on shipped data are not the pinned ones, or two runs (--twice) differ; 2 bad input or usage; 3 no result could be written."
 )]
 struct Cli {
     /// Threads to compute with; any number gives the same bytes.
@@ -103,6 +104,9 @@ struct ReproduceArguments {
     /// Fewer starts and repetitions: for a look, not for the record.
     #[arg(long)]
     quick: bool,
+    /// Computes everything in two processes, with one thread and with all, and compares what they leave byte for byte.
+    #[arg(long)]
+    twice: bool,
     /// An earlier report to compare with.
     #[arg(long, value_name = "OLD.html")]
     against: Option<PathBuf>,

@@ -5,7 +5,7 @@ use std::path::Path;
 use report::{NegativeControl, Verdict};
 
 use super::root::{out, root};
-use super::{Failure, Outcome, ReproduceArguments, output};
+use super::{Failure, Outcome, ReproduceArguments, output, twice};
 use crate::cache::{Cache, program_identity};
 use crate::campaigns::Campaigns;
 use crate::claims::{self, Claim};
@@ -115,6 +115,10 @@ pub(super) fn run(arguments: &ReproduceArguments) -> Result<Outcome, Failure> {
         .map_err(Failure::input)?;
     let campaigns = inputs.open_all(&stages)?;
     let out = out(&inputs.root, &arguments.out);
+    let twice = match arguments.twice {
+        true => Some(twice::run(arguments, &out)?),
+        false => None,
+    };
     let mut run = provenance::run(&inputs.root);
     let results = inputs.run(&stages, &out, model.as_ref(), arguments.quick)?;
     run.finished = provenance::now();
@@ -141,6 +145,7 @@ pub(super) fn run(arguments: &ReproduceArguments) -> Result<Outcome, Failure> {
         campaigns,
         repository: provenance::repository(&inputs.root),
         benchmarks: compose::Benchmarks::read(&inputs.root).map_err(Failure::Input)?,
+        twice: twice.clone(),
         published: inputs.published.clone(),
         numbers: inputs.numbers.clone(),
         quick: arguments.quick,
@@ -150,6 +155,9 @@ pub(super) fn run(arguments: &ReproduceArguments) -> Result<Outcome, Failure> {
     if let Some(words) = drift_words {
         println!("{words}");
     }
+    if let Some(twice) = &twice {
+        println!("twice     {}", twice.words());
+    }
     let shipped = arguments.data.is_none() && arguments.model.is_none();
     let disagreements = if shipped {
         disagreements(&results)
@@ -157,7 +165,9 @@ pub(super) fn run(arguments: &ReproduceArguments) -> Result<Outcome, Failure> {
         Vec::new()
     };
     summary(&results, &inputs.numbers, &controls, &disagreements, &out);
-    let faulty = !disagreements.is_empty() || controls.iter().any(|control| !control.passed());
+    let faulty = !disagreements.is_empty()
+        || controls.iter().any(|control| !control.passed())
+        || twice.is_some_and(|twice| !twice.same());
     Ok(if faulty {
         Outcome::Disagrees
     } else {
@@ -209,6 +219,9 @@ fn command(arguments: &ReproduceArguments) -> String {
     }
     if arguments.quick {
         command += " --quick";
+    }
+    if arguments.twice {
+        command += " --twice";
     }
     command
 }

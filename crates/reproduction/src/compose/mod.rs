@@ -3,6 +3,7 @@
 mod benchmarks;
 mod completeness;
 mod equations;
+mod identity;
 mod inputs;
 mod ledger;
 mod notes;
@@ -20,6 +21,7 @@ use crate::results::Results;
 
 pub use benchmarks::{Benchmarks, diagnosis_fingerprint};
 pub(crate) use completeness::words as completeness_words;
+pub use identity::{Prints, Twice};
 
 /// What the page shows besides the results.
 pub struct Surroundings {
@@ -37,6 +39,8 @@ pub struct Surroundings {
     pub repository: Option<String>,
     /// What benchmarks counted, as it stands in data/.
     pub benchmarks: Benchmarks,
+    /// Two runs compared byte for byte, where that was asked for.
+    pub twice: Option<Twice>,
     /// The paper's numbers.
     pub published: Published,
     /// Where each of them stands.
@@ -71,6 +75,7 @@ pub fn document(results: &Results, around: Surroundings) -> Document {
         &around.published,
         &parts,
     ));
+    sections.push(identity::section(around.twice.as_ref()));
     let known: BTreeSet<&str> = results.values.keys().map(String::as_str).collect();
     Document {
         title: "Asymmetric bristle model for steel brush: what holds".into(),
@@ -233,7 +238,10 @@ fn facts(results: &Results, around: &Surroundings) -> Vec<(String, String)> {
                 around.numbers.printed
             ),
         ),
-        ("Threads".into(), "any number, same bytes".into()),
+        (
+            "Same bytes twice".into(),
+            identity::fact(around.twice.as_ref()),
+        ),
     ]
 }
 
