@@ -119,6 +119,10 @@ fn allowed(check: &Check) -> String {
         };
         interval(point, &printed(check))
     };
+    // A statement in words, such as "agree" or "very small", is compared with zero: the paper does not print the zero.
+    if lower == 0.0 && upper == 0.0 && check.tolerance > 0.0 {
+        return "no number, in words only".to_owned();
+    }
     match (lower.is_finite(), upper.is_finite()) {
         (true, true) => interval(check.allowed, &printed(check)),
         // The smallest number above zero stands for "above zero".
@@ -205,5 +209,34 @@ pub(super) fn told(text: &str, known: &BTreeSet<&str>) -> Prose {
         typeset_prose(text).into()
     } else {
         "The values that this text shows were not computed in this run.".into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::published::Interval;
+
+    #[test]
+    fn a_statement_in_words_prints_no_zero_and_a_number_prints_itself() {
+        let check = |at: f64, tolerance: f64| Check {
+            label: String::new(),
+            ours: None,
+            allowed: Interval {
+                lower: at,
+                upper: at,
+            },
+            tolerance,
+            unit: "1".into(),
+            evidence: report::Evidence::Computed,
+            value_id: None,
+        };
+        assert_eq!(allowed(&check(0.0, 0.05)), "no number, in words only");
+        assert_eq!(
+            allowed(&check(0.0, 0.0)),
+            "0",
+            "a count of nothing is a number"
+        );
+        assert_eq!(allowed(&check(7.0, 0.0)), "7");
     }
 }
