@@ -2,7 +2,7 @@
 //! noise band, rivals and what they lose, what remains unexplained and where, what to measure next.
 
 use campaign::Campaign;
-use diagnosis::answer::{Diagnosis, Finding};
+use diagnosis::answer::{Diagnosis, Finding, Share};
 use diagnosis::{Curves, Diagnosed, Status};
 use report::figure::{Axis, Band, BarGroup, BarPlot, Figure, Ink, LinePlot, Provenance, Series};
 use report::{
@@ -83,7 +83,9 @@ pub(crate) fn blocks(campaign: &Campaign, diagnosed: &Diagnosed, prefix: &str) -
     {
         blocks.push(rivals(answer, prefix).into());
     }
-    if !answer.anatomy.is_empty() {
+    if lies_nowhere(&answer.anatomy) {
+        blocks.push(Block::prose(nowhere(&answer.anatomy)));
+    } else if !answer.anatomy.is_empty() {
         blocks.push(shares(campaign, answer, prefix).into());
     }
     if !answer.laws.is_empty() {
@@ -432,6 +434,20 @@ fn curves(campaign: &Campaign, curves: &Curves, prefix: &str) -> Figure {
     )
 }
 
+/// Whether the axes were looked along and none holds a share of the error: a chart of it would be empty.
+fn lies_nowhere(anatomy: &[Share]) -> bool {
+    !anatomy.is_empty() && anatomy.iter().all(|axis| axis.share <= 0.0)
+}
+
+/// What stands in the place of the empty chart.
+fn nowhere(anatomy: &[Share]) -> String {
+    let axes: Vec<&str> = anatomy.iter().map(|axis| axis.axis.as_str()).collect();
+    literal(&format!(
+        "Where the error of the law alone lies: nowhere. Along none of the axes {} do the means of the residual hold more than noise leaves, so there is no share to draw.",
+        axes.join(", ")
+    ))
+}
+
 /// Shares of the explainable error along each axis.
 fn shares(campaign: &Campaign, answer: &Diagnosis, prefix: &str) -> Figure {
     let groups = vec![BarGroup {
@@ -456,4 +472,27 @@ fn shares(campaign: &Campaign, answer: &Diagnosis, prefix: &str) -> Figure {
         plot,
         Provenance::here(STAGE, "shares"),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn along(axis: &str, share: f64) -> Share {
+        Share {
+            axis: axis.into(),
+            share,
+            profile: Vec::new(),
+            unit: "1".into(),
+        }
+    }
+
+    #[test]
+    fn an_anatomy_without_any_share_is_told_in_words() {
+        let flat = [along("time", 0.0), along("speed", 0.0)];
+        assert!(lies_nowhere(&flat));
+        assert!(nowhere(&flat).contains("time, speed"));
+        assert!(!lies_nowhere(&[along("time", 0.0), along("speed", 0.2)]));
+        assert!(!lies_nowhere(&[]), "nothing was looked at: nothing is said");
+    }
 }

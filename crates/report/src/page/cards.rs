@@ -9,7 +9,7 @@ use crate::figure::data::{self, Data, Datum};
 use crate::figure::describe::describe;
 use crate::figure::draw::{self, View, thin::evenly};
 use crate::figure::{Figure, Plot, Provenance};
-use crate::prose::Lookup;
+use crate::prose::{Lookup, letters};
 use crate::{Align, Cell, Chain, Error, Table, number, palette};
 
 /// Rows of the data shown on the page; all are in the file.
@@ -317,7 +317,7 @@ fn preview(data: &Data) -> Value {
             data.rows[index]
                 .iter()
                 .map(|datum| match datum {
-                    Datum::Word(word) => context! { number => false, text => word },
+                    Datum::Word(word) => context! { number => false, text => letters(word) },
                     Datum::Number(number) => {
                         context! { number => true, text => number::significant(*number, 5) }
                     }
@@ -326,5 +326,31 @@ fn preview(data: &Data) -> Value {
                 .collect()
         })
         .collect();
-    context! { note, heading => data.heading.clone(), rows }
+    // Symbols as the figure has them; the files keep the ids that programs read.
+    let heading: Vec<String> = data.heading.iter().map(|name| letters(name)).collect();
+    context! { note, heading, rows }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_preview_has_the_symbols_of_the_figure_and_the_file_has_the_ids() {
+        let data = Data {
+            heading: vec!["series".into(), "theta0 (rad)".into()],
+            rows: vec![vec![
+                Datum::Word("theta_c_over_sigma".into()),
+                Datum::Number(0.5),
+            ]],
+        };
+        let shown = preview(&data).to_string();
+        let (series, heading) = (letters("theta_c_over_sigma"), letters("theta0 (rad)"));
+        assert!(
+            shown.contains(&series) && shown.contains(&heading),
+            "{shown}"
+        );
+        assert!(!shown.contains("theta"), "{shown}");
+        assert!(data.csv(None).contains("theta_c_over_sigma"));
+    }
 }
