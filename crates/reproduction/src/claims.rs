@@ -39,6 +39,8 @@ pub struct Claim {
     pub reason: String,
     /// How it was checked and what follows; may name values.
     pub account: String,
+    /// Why no verdicts over a product of choices stand beside it; may name values.
+    pub no_choices: Option<String>,
     /// The verdict on the shipped data.
     pub expected: Verdict,
     /// Values on the shipped data: id -> [value, tolerance].
@@ -88,4 +90,23 @@ pub fn read(path: &Path) -> Result<Vec<Claim>, ClaimsError> {
     })?;
     let file: ClaimsFile = toml::from_str(&text).map_err(Box::new)?;
     Ok(file.claim)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Claims for which a stage leaves verdicts over choices.
+    const WITH_CHOICES: [&str; 11] = [
+        "C01", "C02", "C03", "C05", "C06", "C09", "C10", "C11", "C12", "C13", "C22",
+    ];
+
+    #[test]
+    fn a_claim_has_verdicts_over_choices_or_the_reason_why_not() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/claims.toml");
+        for claim in read(&path).unwrap() {
+            let has = WITH_CHOICES.contains(&claim.id.as_str());
+            assert_eq!(claim.no_choices.is_none(), has, "{}", claim.id);
+        }
+    }
 }

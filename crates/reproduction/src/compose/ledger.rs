@@ -36,6 +36,13 @@ pub(super) fn row(
         .flatten()
         .map(Into::into);
     row.account = told(&claim.account, known);
+    if let Some(reason) = &claim.no_choices {
+        let reason = told(reason, known);
+        row.account = Prose(format!(
+            "{}\n\n*Other choices:* {}",
+            row.account.0, reason.0
+        ));
+    }
     row.values = judged
         .checks
         .iter()
