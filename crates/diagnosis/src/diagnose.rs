@@ -16,7 +16,7 @@ use crate::excerpt::Excerpt;
 use crate::experiment::{Hypothesis, propose};
 use crate::floor;
 use crate::gain;
-use crate::integrity::{Integrity, inspect};
+use crate::integrity::{Integrity, Read, inspect};
 use crate::intervals;
 use crate::laws;
 use crate::prepare::bench;
@@ -461,9 +461,6 @@ fn finding(whole: &Whole<'_>, selected: &Selected, contest: &Contest, k: usize) 
     }
 }
 
-/// Relative accuracy to which a step or a level can be read off numbers that were written in decimals.
-const READ: f64 = 1e-9;
-
 /// Findings that the numbers themselves show.
 fn integrity_findings(bench: &Bench<'_>, integrity: &Integrity) -> Vec<Finding> {
     let rotary = bench.experiment.axis == campaign::Axis::Rotary;
@@ -474,7 +471,7 @@ fn integrity_findings(bench: &Bench<'_>, integrity: &Integrity) -> Vec<Finding> 
     ]
     .into_iter()
     .filter_map(|(cause, name, value)| {
-        let value = value?;
+        let Read { value, half } = value?;
         bench
             .catalogue
             .iter()
@@ -487,7 +484,7 @@ fn integrity_findings(bench: &Bench<'_>, integrity: &Integrity) -> Vec<Finding> 
                 parameters: vec![Estimate {
                     name: name.into(),
                     value,
-                    ci95: Some([value * (1.0 - READ), value * (1.0 + READ)]),
+                    ci95: Some([value - half, value + half]),
                     unit: unit.into(),
                 }],
                 gain: None,

@@ -9,22 +9,60 @@ use campaign::Campaign;
 /// Equal extreme samples in a row that make a flat top.
 const FLAT: usize = 6;
 
+/// A value that was read off the numbers, and how far the truth may be from it: they were written with so many digits.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Read {
+    pub(crate) value: f64,
+    /// Half of the 95 % interval.
+    pub(crate) half: f64,
+}
+
 /// What was found in the numbers themselves.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Integrity {
     /// Level at which the force clips, N.
-    pub(crate) saturation: Option<f64>,
+    pub(crate) saturation: Option<Read>,
     /// Step of the force channel, N.
-    pub(crate) resolution: Option<f64>,
+    pub(crate) resolution: Option<Read>,
 }
 
 /// Looks for a flat top and for a coarse step; `noise` is the white noise of the force channel, N.
 pub(crate) fn inspect(campaign: &Campaign, noise: f64) -> Integrity {
-    let step = coarse_step(campaign);
+    let step = coarse_step(forces(campaign));
+    let top = flat_top(campaign, step.map(|s| s.value));
     Integrity {
-        saturation: flat_top(campaign, step),
-        resolution: step.filter(|s| is_coarse(*s, noise)),
+        saturation: top.map(|value| Read {
+            value,
+            half: 0.5 * last_digit(&forces(campaign), value),
+        }),
+        resolution: step.filter(|s| is_coarse(s.value, noise)),
     }
+}
+
+/// Forces of all runs, N.
+fn forces(campaign: &Campaign) -> Vec<f64> {
+    let runs = campaign.runs.iter();
+    runs.flat_map(|r| r.force_n.iter().copied()).collect()
+}
+
+/// The last digit in which forces near a level are written, N: 10^-d with the fewest decimals d that leave nothing over.
+fn last_digit(forces: &[f64], level: f64) -> f64 {
+    const MOST_DECIMALS: i32 = 15;
+    let near: Vec<f64> = forces
+        .iter()
+        .map(|f| f.abs())
+        .filter(|f| *f > 0.5 * level)
+        .collect();
+    let written_in = |digit: f64| {
+        near.iter().all(|f| {
+            let count = f / digit;
+            (count - count.round()).abs() <= 1e-3
+        })
+    };
+    (0..=MOST_DECIMALS)
+        .map(|decimals| 10.0_f64.powi(-decimals))
+        .find(|digit| written_in(*digit))
+        .unwrap_or(f64::EPSILON * level)
 }
 
 /// Whether a step of the force channel is more than its white noise hides (both N).
@@ -70,13 +108,9 @@ fn flat_top(campaign: &Campaign, step: Option<f64>) -> Option<f64> {
     (longest >= FLAT && crowded).then_some(top)
 }
 
-/// The step of which all force values are multiples, where there are few distinct values.
-fn coarse_step(campaign: &Campaign) -> Option<f64> {
-    let mut values: Vec<f64> = campaign
-        .runs
-        .iter()
-        .flat_map(|r| r.force_n.iter().copied())
-        .collect();
+/// The step of which all force values are multiples, where there are few distinct values. Neighbouring values differ by small
+/// counts of steps, which rounding to digits cannot hide; the step is the slope of the values over the counts so added up.
+fn coarse_step(mut values: Vec<f64>) -> Option<Read> {
     let n = values.len();
     values.sort_by(f64::total_cmp);
     let top = values[0].abs().max(values[n - 1].abs());
@@ -84,16 +118,72 @@ fn coarse_step(campaign: &Campaign) -> Option<f64> {
     if values.len() < 3 || values.len() > n / 4 {
         return None;
     }
-    let step = values
-        .windows(2)
-        .map(|w| w[1] - w[0])
-        .fold(f64::INFINITY, f64::min);
-    let multiples = values.windows(2).all(|w| {
-        let k = (w[1] - w[0]) / step;
+    let differences: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).collect();
+    let smallest = differences.iter().copied().fold(f64::INFINITY, f64::min);
+    let is_multiple = |difference: &f64| {
+        let k = difference / smallest;
         (k - k.round()).abs() < 0.02 * k.max(1.0)
-    });
-    // Over the whole span the rounding of single differences is lost.
-    let span = values[values.len() - 1] - values[0];
-    let step = span / (span / step).round();
-    (multiples && step > 1e-6 * top).then_some(step)
+    };
+    if !differences.iter().all(is_multiple) {
+        return None;
+    }
+    // One step each: their mean is nearer to the step than the smallest of them.
+    let single: Vec<f64> = differences
+        .iter()
+        .copied()
+        .filter(|d| (d / smallest).round() == 1.0)
+        .collect();
+    let step = single.iter().sum::<f64>() / single.len() as f64;
+    let mut count = 0.0;
+    let counts: Vec<f64> = std::iter::once(0.0)
+        .chain(differences.iter().map(|d| {
+            count += (d / step).round();
+            count
+        }))
+        .collect();
+    let read = slope(&counts, &values)?;
+    (read.value > 1e-6 * top).then_some(read)
+}
+
+/// Slope of y over x with twice its standard error.
+fn slope(x: &[f64], y: &[f64]) -> Option<Read> {
+    let n = x.len() as f64;
+    let mean = |of: &[f64]| of.iter().sum::<f64>() / n;
+    let (mx, my) = (mean(x), mean(y));
+    let xx: f64 = x.iter().map(|x| (x - mx).powi(2)).sum();
+    let xy: f64 = x.iter().zip(y).map(|(x, y)| (x - mx) * (y - my)).sum();
+    if !(xx > 0.0) {
+        return None;
+    }
+    let value = xy / xx;
+    let left: f64 = x
+        .iter()
+        .zip(y)
+        .map(|(x, y)| (y - my - value * (x - mx)).powi(2))
+        .sum();
+    let variance = left / (n - 2.0).max(1.0) / xx;
+    let half = (2.0 * variance.sqrt()).max(f64::EPSILON * value.abs());
+    Some(Read { value, half })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Multiples of a step, written with few digits: the interval holds the step, which the smallest difference misses.
+    #[test]
+    fn a_step_is_read_to_what_the_digits_allow() {
+        let step = 0.004_724_332;
+        let written = |x: f64| (x * 1e5).round() / 1e5;
+        let values: Vec<f64> = (0..4000)
+            .map(|i| written(step * (150.0 * (0.01 * i as f64).sin()).round()))
+            .collect();
+        let read = coarse_step(values.clone()).expect("few distinct values");
+        assert!((read.value - step).abs() <= read.half, "{read:?}");
+        assert!(read.half < 1e-4 * step, "{read:?}");
+        assert_eq!(last_digit(&values, 0.7), 1e-5);
+        // Without a common step there is none.
+        let irregular: Vec<f64> = (0..4000).map(|i| (0.37 * i as f64).sin()).collect();
+        assert!(coarse_step(irregular).is_none());
+    }
 }

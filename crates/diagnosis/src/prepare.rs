@@ -69,7 +69,7 @@ pub(crate) fn bench<'a>(
             .runs
             .iter()
             .flat_map(|r| r.force_n.iter())
-            .map(|f| f.abs() >= level * (1.0 - 1e-9))
+            .map(|f| f.abs() >= level.value * (1.0 - 1e-9))
             .collect(),
         None => vec![false; campaign.runs.iter().map(|r| r.force_n.len()).sum()],
     };
@@ -87,7 +87,7 @@ pub(crate) fn bench<'a>(
         stated_sensor,
         repeats: campaign.conditions().iter().any(|c| c.len() > 1),
         masked,
-        step_n: numbers.resolution,
+        step_n: numbers.resolution.map(|step| step.value),
     })
 }
 
