@@ -40,8 +40,8 @@ pub use claim::{
 };
 pub use document::{Choice, Document, Header, Input, Run, Status, Subject, Symbol};
 pub use drift::{Drift, DriftClass, DriftRow};
-pub use number::unit as printed_unit;
-pub use page::{identity, render, table_file};
+pub use number::{unit as printed_unit, with_unit as printed_with_unit};
+pub use page::{hex, identity, render, table_file};
 pub use prose::{Prose, literal, typeset, typeset_prose};
 pub use section::{Block, Equation, Notice, NoticeKind, Section};
 pub use table::{Align, Cell, Column, Table};

@@ -125,7 +125,7 @@ pub fn unit(unit: &str) -> String {
 }
 
 /// Text and unit with a space that does not break.
-pub(crate) fn with_unit(text: &str, raw_unit: &str) -> String {
+pub fn with_unit(text: &str, raw_unit: &str) -> String {
     match unit(raw_unit).as_str() {
         "" => text.into(),
         "°" => format!("{text}°"),

@@ -7,7 +7,11 @@ use sha2::{Digest, Sha256};
 pub fn identity(results: &serde_json::Value) -> String {
     let mut text = String::new();
     canonical(results, true, &mut text);
-    let digest = Sha256::digest(text.as_bytes());
+    hex(&Sha256::digest(text.as_bytes()))
+}
+
+/// Bytes of a digest as hexadecimal digits.
+pub fn hex(digest: &[u8]) -> String {
     digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 

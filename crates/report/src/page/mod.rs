@@ -13,7 +13,7 @@ use minijinja::Value as Item;
 use minijinja::context;
 use minijinja::value::Serde;
 
-pub use identity::identity;
+pub use identity::{hex, identity};
 
 use crate::escape::{data_uri, json_in_script};
 use crate::prose::Lookup;

@@ -26,12 +26,11 @@ impl Folder<'_> {
     ) -> Result<(), Failure> {
         campaign::write_atomically(&self.out.join(path), text.as_bytes())
             .map_err(Failure::output)?;
-        let digest = Sha256::digest(text.as_bytes());
         self.written.push(OutputFile {
             path: path.to_owned(),
             media_type: media_type.to_owned(),
             description: description.to_owned(),
-            sha256: digest.iter().map(|byte| format!("{byte:02x}")).collect(),
+            sha256: report::hex(&Sha256::digest(text.as_bytes())),
             bytes: text.len() as u64,
         });
         Ok(())

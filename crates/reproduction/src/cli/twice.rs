@@ -90,10 +90,7 @@ impl Left {
         let failed =
             |error: &dyn std::fmt::Display| Failure::Output(format!("{}: {error}", path.display()));
         let text = std::fs::read_to_string(&path).map_err(|error| failed(&error))?;
-        let mut results: Json = serde_json::from_str(&text).map_err(|error| failed(&error))?;
-        if let Some(results) = results.as_object_mut() {
-            results.remove("run");
-        }
+        let results = serde_json::from_str(&text).map_err(|error| failed(&error))?;
         let mut files = BTreeMap::new();
         for part in ["tables", "figures"] {
             let Ok(entries) = std::fs::read_dir(folder.join(part)) else {
@@ -118,8 +115,8 @@ impl Left {
         }
         Prints {
             threads: threads.to_owned(),
-            results: hex(&Sha256::digest(self.results.to_string().as_bytes())),
-            files: hex(&files.finalize()),
+            results: report::identity(&self.results),
+            files: report::hex(&files.finalize()),
         }
     }
 
@@ -157,10 +154,6 @@ fn entries(results: &Json) -> BTreeMap<String, String> {
         }
     }
     found
-}
-
-fn hex(digest: &[u8]) -> String {
-    digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Copies kept outputs of stages.

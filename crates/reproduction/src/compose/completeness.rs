@@ -3,7 +3,9 @@
 use std::collections::BTreeSet;
 
 use report::figure::Provenance;
-use report::{Block, Cell, Column, Evidence, Prose, Section, Table, literal, typeset};
+use report::{
+    Block, Cell, Column, Evidence, Prose, Section, Table, literal, printed_with_unit, typeset,
+};
 
 use crate::numbers::{Coverage, Treatment};
 use crate::published::Published;
@@ -62,7 +64,7 @@ fn table(coverage: &Coverage, published: &Published, anchors: &BTreeSet<String>)
         .map(|(id, number)| {
             let (becomes, reason) = place(coverage, id, anchors);
             vec![
-                Cell::Text(with_unit(&number.printed, &number.unit)),
+                Cell::Text(printed_with_unit(&number.printed, &number.unit)),
                 Cell::Prose(typeset(&number.meaning).into()),
                 Cell::Text(number.locator.clone()),
                 Cell::Prose(becomes),
@@ -72,7 +74,7 @@ fn table(coverage: &Coverage, published: &Published, anchors: &BTreeSet<String>)
         .collect();
     rows.extend(coverage.others.beside.iter().map(|row| {
         vec![
-            Cell::Text(with_unit(&row.printed.join(", "), &row.unit)),
+            Cell::Text(printed_with_unit(&row.printed.join(", "), &row.unit)),
             Cell::Prose(typeset(&row.meaning).into()),
             Cell::Text(row.locator.clone()),
             Cell::from(row.status.word()),
@@ -96,13 +98,6 @@ fn table(coverage: &Coverage, published: &Published, anchors: &BTreeSet<String>)
         evidence: Some(Evidence::Published),
         provenance: Some(Provenance::here("completeness", "completeness::table")),
         ..Table::default()
-    }
-}
-
-fn with_unit(printed: &str, unit: &str) -> String {
-    match report::printed_unit(unit) {
-        unit if unit.is_empty() => printed.to_owned(),
-        unit => format!("{printed} {unit}"),
     }
 }
 

@@ -8,7 +8,7 @@ use report::{Block, Cell, Column, Evidence, NoticeKind, Section, Table, literal}
 pub struct Prints {
     /// How many threads computed it, in words.
     pub threads: String,
-    /// SHA-256 of `results.json` without `run`.
+    /// Identity of the results: SHA-256 of `results.json` without `run`.
     pub results: String,
     /// SHA-256 of all tables and figures with their names.
     pub files: String,
@@ -57,7 +57,7 @@ impl Twice {
 /// The outcome in a few words, for the header.
 pub(super) fn fact(twice: Option<&Twice>) -> String {
     match twice.map(Twice::same) {
-        None => "not run (`--twice`)".to_owned(),
+        None => "not run (reproduce --twice)".to_owned(),
         Some(true) => "yes: one thread and all, two processes".to_owned(),
         Some(false) => "no".to_owned(),
     }
