@@ -34,6 +34,7 @@ mod prepare;
 mod prior;
 mod probability;
 mod refusal;
+mod rhythm;
 mod samples;
 mod scan;
 mod selection;

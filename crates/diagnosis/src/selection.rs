@@ -18,6 +18,7 @@ use crate::look_back::{drop_idle, exchange_with_named, look_back};
 use crate::refusal::take_back;
 use crate::scan::{Candidate, Scan, extended, scan, scan_without, smooth_beside};
 use crate::subset::Subset;
+use crate::uniform::evidence_of_blows;
 
 /// Family-wise probability of naming a cause where there is none: half of the campaign's one percent.
 pub(crate) const ALPHA_NAME: f64 = 0.004;
@@ -416,6 +417,10 @@ pub(crate) fn select(
             Next::Fit(fit) => settle(bench, &subset, &fit, found)?,
             Next::Settled(stand) => *stand,
         };
+        let last = next.fitted.effects.len() - 1;
+        if step.log_p + evidence_of_blows(bench, &subset, &next, last) > threshold {
+            break;
+        }
         explained += step.drop;
         entry.push(step.log_p);
         let (mut next, _) = looked_up(bench, &mut subset, next)?;

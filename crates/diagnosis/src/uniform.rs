@@ -26,6 +26,55 @@ const ALPHA: f64 = 1e-3;
 
 /// Whether the k-th effect has one amplitude over runs, places and times.
 pub(crate) fn is_uniform(bench: &Bench<'_>, subset: &Subset, stand: &Stand, k: usize) -> bool {
+    let both = effect_and_residual(bench, subset, stand, k);
+    let samples = subset.samples(bench);
+    let bins = |x: &[f64]| -> Vec<usize> {
+        let mut sorted = x.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let edges: Vec<f64> = (1..BINS).map(|b| sorted[b * sorted.len() / BINS]).collect();
+        x.iter()
+            .map(|v| edges.partition_point(|e| e <= v))
+            .collect()
+    };
+    [
+        samples.owner.clone(),
+        bins(&samples.place),
+        bins(&samples.time),
+    ]
+    .iter()
+    .all(|groups| is_even(&both, groups))
+}
+
+/// Evidence for the k-th effect that rests on blows: half of the deviance that it would no longer save if no sample lay
+/// further than [`BLOW`] standard deviations from the model with it. A single kick at the right moment looks like any cause that acts
+/// at such moments; a cause is seen in all of them.
+pub(crate) fn evidence_of_blows(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    k: usize,
+) -> f64 {
+    /// Standard deviations.
+    const BLOW: f64 = 4.0;
+    let both = effect_and_residual(bench, subset, stand, k);
+    let (effect, without) = (both.column(0), both.column(1));
+    let power = effect.norm_squared().max(f64::MIN_POSITIVE);
+    let along = effect.dot(&without);
+    let calm: f64 = effect
+        .iter()
+        .zip(without.iter())
+        .map(|(d, y)| d * (d + (y - d).clamp(-BLOW, BLOW)))
+        .sum();
+    0.5 * (along.powi(2) - calm.max(0.0).powi(2)) / power
+}
+
+/// The k-th fitted effect d and the residual y without it (n x 2): whitened, cleared of all else that is fitted and of the scatter.
+fn effect_and_residual(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    k: usize,
+) -> DMatrix<f64> {
     let fitted = &stand.fitted;
     let span = fitted.model.span(k);
     let mut bare = fitted.parameters.clone();
@@ -45,25 +94,9 @@ pub(crate) fn is_uniform(bench: &Bench<'_>, subset: &Subset, stand: &Stand, k: u
     let white: DVector<f64> = stand.whiten(subset, &effect).column(0).into_owned();
     let free = &white - &basis * basis.tr_mul(&white);
     let both = DMatrix::from_columns(&[free.clone(), &stand.ground.y + &free]);
-    let both = stand
+    stand
         .ground
-        .descatter(&both, stand.ground.likeliest_scatter());
-    let samples = subset.samples(bench);
-    let bins = |x: &[f64]| -> Vec<usize> {
-        let mut sorted = x.to_vec();
-        sorted.sort_by(f64::total_cmp);
-        let edges: Vec<f64> = (1..BINS).map(|b| sorted[b * sorted.len() / BINS]).collect();
-        x.iter()
-            .map(|v| edges.partition_point(|e| e <= v))
-            .collect()
-    };
-    [
-        samples.owner.clone(),
-        bins(&samples.place),
-        bins(&samples.time),
-    ]
-    .iter()
-    .all(|groups| is_even(&both, groups))
+        .descatter(&both, stand.ground.likeliest_scatter())
 }
 
 /// The test (D5) over one grouping of the samples.

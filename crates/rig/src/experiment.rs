@@ -63,6 +63,8 @@ pub struct RunMotion {
     pub knots: Vec<usize>,
     /// All samples as knots.
     pub every_sample: Vec<usize>,
+    /// Steps of this grid from one recorded sample to the next (1: the samples as recorded).
+    pub steps_a_sample: usize,
     /// The rig was turned round.
     pub stage_turned: bool,
     /// The specimen was turned round.
@@ -307,6 +309,7 @@ fn prepare(run: &campaign::Run, has_load: bool, fastest: f64) -> RunMotion {
         time_s: t.clone(),
         velocity_m_s: v.clone(),
         acceleration_m_s2: crate::signal::slope(t, v),
+        steps_a_sample: 1,
         position_m,
         distance_m,
         load_n,

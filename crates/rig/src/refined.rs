@@ -36,6 +36,7 @@ impl RunMotion {
             distance_m: fine(&self.distance_m),
             load_n: fine(&self.load_n),
             temperature_c: self.temperature_c.as_deref().map(fine),
+            steps_a_sample: parts,
             knots: every_sample.clone(),
             every_sample,
             time_s,

@@ -2,7 +2,7 @@
 //! taken up in the direction of its first motion.
 
 use friction::{ParameterSpec, Scalar};
-use rig::{Cause, Experiment, Place, Reach, Requirement, Station};
+use rig::{Cause, Experiment, Place, Reach, Requirement, RunMotion, Station};
 
 use super::grids;
 
@@ -13,6 +13,9 @@ pub struct Backlash;
 const PARAMETERS: &[ParameterSpec] = &[
     ParameterSpec::new("gap_m", "m", "width of the play", 0.0, 1e9, 1e-4).with_null(0.0),
 ];
+
+/// Steps from sample to sample: a gap that is crossed between two samples is known no better than one of them.
+const STEPS: usize = 8;
 
 impl Cause for Backlash {
     fn id(&self) -> &'static str {
@@ -42,6 +45,11 @@ impl Cause for Backlash {
 
     fn requirements(&self) -> &'static [Requirement] {
         &[Requirement::Reversals]
+    }
+
+    fn steps_a_sample(&self, p: &[f64], run: &RunMotion) -> usize {
+        let reverses = run.velocity_m_s.iter().any(|v| *v > 0.0) && run.velocity_m_s.iter().any(|v| *v < 0.0);
+        if reverses && p[0] > 0.0 { STEPS } else { 1 }
     }
 
     fn stage<D: Scalar>(&self, p: &[D], at: Place<'_>, velocity: &mut [D]) {

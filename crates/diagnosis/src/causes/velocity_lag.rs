@@ -1,6 +1,8 @@
 //! The velocity channel is filtered: tau v_rec' = v - v_rec, so the true speed leads, v = v_rec + tau v_rec', tau in s.
+//! The true speed is taken to be linear between samples, as everywhere; the record then is not.
 
 use friction::{ParameterSpec, Scalar};
+use rig::signal::unlag;
 use rig::{Cause, Experiment, Place, Reach, Station};
 
 use super::grids;
@@ -44,8 +46,16 @@ impl Cause for VelocityLag {
     }
 
     fn stage<D: Scalar>(&self, p: &[D], at: Place<'_>, velocity: &mut [D]) {
-        for (v, &a) in velocity.iter_mut().zip(&at.run.acceleration_m_s2) {
-            *v += p[0] * a;
+        let parts = at.run.steps_a_sample;
+        let recorded = |series: &[f64]| -> Vec<f64> { series.iter().copied().step_by(parts).collect() };
+        let (time, output) = (recorded(&at.run.time_s), recorded(&at.run.velocity_m_s));
+        let input = unlag(&time, &output, p[0]);
+        // What the filter held back, linear between samples.
+        let held: Vec<D> = input.iter().zip(&output).map(|(x, &y)| *x - y).collect();
+        for (j, v) in velocity.iter_mut().enumerate() {
+            let (i, share) = (j / parts, (j % parts) as f64 / parts as f64);
+            let next = held.get(i + 1).copied().unwrap_or(held[i]);
+            *v += held[i] + (next - held[i]) * share;
         }
     }
 }

@@ -1,0 +1,185 @@
+//! A rhythm that one run keeps for a while: stick-slip, chatter, something that turns.
+//!
+//! The whitened residual of a healthy rig has the same power at every frequency, so the periodogram of a stretch,
+//!
+//! ```text
+//! P(f) = (2 / n) |sum_j y_j exp(-2 pi i f j)|^2                                                        (D7)
+//! ```
+//!
+//! is a chi-squared with two degrees of freedom. What whitening leaves uneven over the frequencies is taken from the other
+//! stretches of the campaign, at least the healthy rig's own.
+
+use nalgebra::DVector;
+
+use crate::answer::Place;
+use crate::bursts::in_run;
+use crate::general::Lack;
+use crate::samples::Samples;
+use crate::tail::log_chi2_tail;
+
+/// Samples of a stretch; neighbours overlap by half.
+const WINDOW: usize = 90;
+/// Slowest rhythm, in turns a stretch.
+const SLOWEST: usize = 3;
+/// Frequencies between two that are independent: a rhythm between them would lose a third of its power.
+const BETWEEN: usize = 2;
+/// Median of a chi-squared with two degrees of freedom, 2 ln 2.
+const MEDIAN: f64 = 2.0 * std::f64::consts::LN_2;
+
+/// One stretch of a run with its periodogram over that of the campaign's other stretches.
+struct Stretch {
+    run: usize,
+    start: usize,
+    /// Place in the run, in half stretches.
+    slot: usize,
+    powers: Vec<f64>,
+}
+
+/// The strongest rhythm in a residual of unit variance: of one run, or of all runs at the same time together (a rhythm that comes back
+/// in every other run is weak in each of them). The two searches pay for one another by Bonferroni's bound.
+pub(crate) fn rhythm(y: &DVector<f64>, samples: &Samples, names: &[String]) -> Lack {
+    let stretches = stretches(y, samples);
+    if stretches.len() < 4 {
+        return Lack::nothing();
+    }
+    let mut best = alone(&stretches, samples, names);
+    let shared = together(&stretches, samples, names);
+    if shared.log_p < best.log_p {
+        best = shared;
+    }
+    best.log_p = (best.log_p + 2.0_f64.ln()).min(0.0);
+    best
+}
+
+fn stretches(y: &DVector<f64>, samples: &Samples) -> Vec<Stretch> {
+    let waves = waves();
+    let mut out = Vec::new();
+    for (run, range) in samples.runs.iter().enumerate() {
+        let last = range.end.saturating_sub(WINDOW - 1);
+        for (slot, start) in (range.start..last).step_by(WINDOW / 2).enumerate() {
+            let powers = periodogram(&y.as_slice()[start..start + WINDOW], &waves);
+            out.push(Stretch {
+                run,
+                start,
+                slot,
+                powers,
+            });
+        }
+    }
+    for f in 0..waves.len() {
+        let mut own: Vec<f64> = out.iter().map(|s| s.powers[f]).collect();
+        own.sort_by(f64::total_cmp);
+        let background = own
+            .get(own.len() / 2)
+            .map_or(1.0, |m| (m / MEDIAN).max(1.0));
+        out.iter_mut().for_each(|s| s.powers[f] /= background);
+    }
+    out
+}
+
+fn alone(stretches: &[Stretch], samples: &Samples, names: &[String]) -> Lack {
+    let strongest = |s: &Stretch| s.powers.iter().copied().fold(0.0, f64::max);
+    let Some(best) = stretches
+        .iter()
+        .max_by(|a, b| strongest(a).total_cmp(&strongest(b)))
+    else {
+        return Lack::nothing();
+    };
+    let power = strongest(best);
+    let asked = (stretches.len() * best.powers.len()) as f64;
+    Lack {
+        log_p: (asked.ln() - 0.5 * power).min(0.0),
+        place: Some(in_run(
+            samples,
+            names,
+            best.run,
+            best.start,
+            best.start + WINDOW - 1,
+        )),
+        excess: (power - 2.0).max(0.0),
+    }
+}
+
+fn together(stretches: &[Stretch], samples: &Samples, names: &[String]) -> Lack {
+    /// A run is said to take part where so little would be chance.
+    const TAKES_PART: f64 = 0.05;
+    let slots = stretches.iter().map(|s| s.slot + 1).max().unwrap_or(0);
+    let frequencies = stretches.first().map_or(0, |s| s.powers.len());
+    let mut best = (0.0, 0, 0, 0.0);
+    for slot in 0..slots {
+        let own: Vec<&Stretch> = stretches.iter().filter(|s| s.slot == slot).collect();
+        for f in 0..frequencies {
+            let sum: f64 = own.iter().map(|s| s.powers[f]).sum();
+            let log_p = log_chi2_tail(sum, 2 * own.len());
+            if log_p < best.0 {
+                best = (log_p, slot, f, sum - 2.0 * own.len() as f64);
+            }
+        }
+    }
+    let (log_p, slot, f, excess) = best;
+    let loud: Vec<&Stretch> = stretches
+        .iter()
+        .filter(|s| s.slot == slot && s.powers[f] > -2.0 * TAKES_PART.ln())
+        .collect();
+    let place = loud.first().map(|first| Place {
+        runs: loud.iter().map(|s| names[s.run].clone()).collect(),
+        ..in_run(
+            samples,
+            names,
+            first.run,
+            first.start,
+            first.start + WINDOW - 1,
+        )
+    });
+    Lack {
+        log_p: (log_p + ((slots * frequencies) as f64).ln()).min(0.0),
+        place,
+        excess: excess.max(0.0),
+    }
+}
+
+/// cos and sin of 2 pi f j over one stretch, for each frequency that is asked.
+fn waves() -> Vec<Vec<(f64, f64)>> {
+    (SLOWEST * BETWEEN..BETWEEN * WINDOW / 2)
+        .map(|f| {
+            let step = std::f64::consts::TAU * f as f64 / (BETWEEN * WINDOW) as f64;
+            (0..WINDOW)
+                .map(|j| ((step * j as f64).cos(), (step * j as f64).sin()))
+                .collect()
+        })
+        .collect()
+}
+
+/// (D7) of one stretch.
+fn periodogram(y: &[f64], waves: &[Vec<(f64, f64)>]) -> Vec<f64> {
+    waves
+        .iter()
+        .map(|wave| {
+            let (re, im) = y
+                .iter()
+                .zip(wave)
+                .fold((0.0, 0.0), |(re, im), (v, (c, s))| (re + v * c, im + v * s));
+            2.0 / y.len() as f64 * (re * re + im * im)
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A wave of amplitude A gives P = n A^2 / 2 at its own frequency.
+    #[test]
+    fn the_power_of_a_wave_is_known() {
+        let f = 9;
+        let y: Vec<f64> = (0..WINDOW)
+            .map(|j| {
+                0.7 * (std::f64::consts::TAU * f as f64 * j as f64 / WINDOW as f64 + 0.3).sin()
+            })
+            .collect();
+        let powers = periodogram(&y, &waves());
+        let own = powers[(f - SLOWEST) * BETWEEN];
+        assert!((own - 0.5 * WINDOW as f64 * 0.49).abs() < 1e-9, "{own}");
+        assert!(powers.iter().all(|p| *p <= own + 1e-9));
+    }
+}
