@@ -74,90 +74,110 @@ fn static_laws_agree_off_standstill() {
     }
 }
 
-/// Every cause of the catalogue against the planted mechanism of the same name and shape: what the two leave between
-/// them is a small part of the effect. (They are different code at different depth.)
+/// Every cause of the catalogue against the planted mechanism of the same name and shape, at a strong and at a weak size: what the
+/// two leave between them is a small part of the effect. (They are different code at different depth.)
 #[test]
 fn catalogue_and_planted_mechanisms_agree() {
     let mut disagreements: Vec<String> = Vec::new();
     for id in planting::species::CAUSES {
-        let protocol = match id {
-            "direction-asymmetry" | "moving-inertia" | "backlash" | "velocity-lag" => {
-                Protocol::Drive
+        for (protocol, size) in [
+            (Protocol::Rich, 0.5),
+            (Protocol::Rich, 0.05),
+            (Protocol::Drive, 0.5),
+            (Protocol::Drive, 0.05),
+        ] {
+            let Some(share) = disagreement_of(id, protocol, size) else {
+                println!("{id} on {protocol:?}: not there");
+                continue;
+            };
+            println!("{id} on {protocol:?} at {size}: {share:.4}");
+            // What happens between two samples, the program can only guess: the moment at which a gap is crossed, the way of the
+            // force that is delayed or filtered. A ripple is carried along chords of a twelfth of its pitch.
+            let tolerance = match (id, protocol) {
+                ("backlash", Protocol::Drive) => 0.05,
+                ("stage-ripple" | "sensor-lag" | "clock-offset", _) => 0.03,
+                _ => 0.01,
+            };
+            if share.is_nan() || share >= tolerance {
+                disagreements.push(format!(
+                    "{id} on {protocol:?} at {size}: the two differ by {share:.3} of the effect"
+                ));
             }
-            _ => Protocol::Rich,
-        };
-        let healthy = Case::nothing(protocol, NoiseKind::None, 21);
-        let day = healthy
-            .clone()
-            .with(id, 0.5, false)
-            .carry_out()
-            .expect("a cause");
-        let without = healthy.carry_out().expect("nothing");
-        let effect = day.key.effects[0];
-        let mut reported: BTreeMap<String, f64> = effect
-            .sizes()
-            .into_iter()
-            .map(|(name, value)| (name.to_string(), value))
-            .collect();
-        if let Some(phase) = effect.phase_rad() {
-            reported.insert("phase_rad".into(), phase);
-        }
-        let cause = diagnosis::causes::find(id).expect("in the catalogue");
-        if cause.is_data_integrity() {
-            continue;
-        }
-        let fitted = cause
-            .from_reported(&reported)
-            .expect("all parameters are named alike");
-        let experiment = Experiment::new(&campaign(&day.plan, &day.recordings)).expect("it moves");
-        let (law, mut values) = parameters(&day.key.law);
-        let Ok(model) = Model::new(law, vec![cause], &experiment) else {
-            println!("{id}: not on this law");
-            continue;
-        };
-        values.extend(fitted);
-        let mut predicted = model.predict(&experiment, &values);
-        if let planting::effect::Effect::LoadDependence { exponent } = effect {
-            // The load at which the coefficients are stated is a convention: first load here, mean load there.
-            let first_n = day.plan.runs[0].load_n.expect("a loaded rig");
-            let factor = (first_n / experiment.reference_load_n).powf(exponent);
-            predicted.iter_mut().for_each(|force| *force *= factor);
-        }
-        let stack = |recordings: &[planting::machine::Recording]| -> Vec<f64> {
-            recordings
-                .iter()
-                .flat_map(|run| run.force_n.iter().copied())
-                .collect()
-        };
-        let (planted, clean) = (stack(&day.recordings), stack(&without.recordings));
-        // A filtered velocity channel changes the prediction, not the force.
-        let clean = if id == "velocity-lag" {
-            let plain = Model::new(law, Vec::new(), &experiment).expect("plain");
-            plain.predict(&experiment, &values[..values.len() - 1])
-        } else {
-            clean
-        };
-        let norm = |a: &[f64], b: &[f64]| {
-            a.iter()
-                .zip(b)
-                .map(|(a, b)| (a - b).powi(2))
-                .sum::<f64>()
-                .sqrt()
-        };
-        let share = norm(&planted, &predicted) / norm(&planted, &clean);
-        println!("{id}: {share:.4}");
-        // What happens between two samples, the program can only guess: the moment at which a gap is crossed, the
-        // derivative of a filtered speed. A ripple is carried along chords of a twelfth of its pitch.
-        let tolerance = match id {
-            "backlash" | "velocity-lag" => 0.15,
-            "stage-ripple" => 0.02,
-            _ => 0.01,
-        };
-        if share.is_nan() || share >= tolerance {
-            disagreements.push(format!(
-                "{id} on {protocol:?}: the two differ by {share:.3} of the effect"
-            ));
         }
     }
     assert!(disagreements.is_empty(), "{}", disagreements.join("\n"));
+}
+
+/// Distance between the planted record and the catalogue's prediction over the size of the effect, ends of runs left out;
+/// `None` where the protocol does not have the cause.
+fn disagreement_of(id: &str, protocol: Protocol, size: f64) -> Option<f64> {
+    let healthy = Case::nothing(protocol, NoiseKind::None, 21);
+    let day = healthy.clone().with(id, size, false).carry_out().ok()?;
+    let without = healthy.carry_out().expect("nothing");
+    let effect = day.key.effects[0];
+    let mut reported: BTreeMap<String, f64> = effect
+        .sizes()
+        .into_iter()
+        .map(|(name, value)| (name.to_string(), value))
+        .collect();
+    if let Some(phase) = effect.phase_rad() {
+        reported.insert("phase_rad".into(), phase);
+    }
+    let experiment = Experiment::new(&campaign(&day.plan, &day.recordings)).expect("it moves");
+    let (law, law_values) = parameters(&day.key.law);
+    let predictions: Vec<Vec<f64>> = diagnosis::causes::catalogue()
+        .into_iter()
+        .filter(|cause| cause.id() == id && !cause.is_data_integrity())
+        .filter(|cause| cause.lack(&experiment).is_none())
+        .filter_map(|cause| {
+            if cause
+                .reported(&cause.starts(&experiment).first()?.clone())
+                .iter()
+                .any(|r| r.name == "mass_kg")
+            {
+                reported.entry("mass_kg".into()).or_insert(0.0);
+            }
+            let fitted = cause.from_reported(&reported).ok()?;
+            let model = Model::new(law, vec![cause], &experiment).ok()?;
+            let mut values = law_values.clone();
+            values.extend(fitted);
+            values.resize(model.parameters().len(), 0.0);
+            let mut predicted = model.predict(&experiment, &values);
+            if let planting::effect::Effect::LoadDependence { exponent } = effect {
+                // The load at which the coefficients are stated is a convention: first load here, mean load there.
+                let first_n = day.plan.runs[0].load_n?;
+                let factor = (first_n / experiment.reference_load_n).powf(exponent);
+                predicted.iter_mut().for_each(|force| *force *= factor);
+            }
+            Some(predicted)
+        })
+        .collect();
+    let stack = |recordings: &[planting::machine::Recording]| -> Vec<f64> {
+        recordings
+            .iter()
+            .flat_map(|run| run.force_n.iter().copied())
+            .collect()
+    };
+    let (planted, clean) = (stack(&day.recordings), stack(&without.recordings));
+    // A filtered velocity channel changes the prediction, not the force.
+    let clean = if id == "velocity-lag" {
+        let plain = Model::new(law, Vec::new(), &experiment).expect("plain");
+        let mut bare = law_values.clone();
+        bare.resize(plain.parameters().len(), 0.0);
+        plain.predict(&experiment, &bare)
+    } else {
+        clean
+    };
+    // The diagnosis looks at no run's first and last sample.
+    let looked_at: Vec<usize> = experiment
+        .runs
+        .iter()
+        .flat_map(|run| run.samples.start + 1..run.samples.end - 1)
+        .collect();
+    let norm = |a: &[f64], b: &[f64]| {
+        let squares = looked_at.iter().map(|&i| (a[i] - b[i]).powi(2));
+        squares.sum::<f64>().sqrt()
+    };
+    let share = |predicted: &Vec<f64>| norm(&planted, predicted) / norm(&planted, &clean);
+    predictions.iter().map(share).reduce(f64::min)
 }

@@ -62,17 +62,8 @@ pub(crate) fn bench<'a>(
         (Some(full), Some(percent)) => Some(full * percent / 100.0),
         _ => None,
     };
-    // Clipped samples say nothing about the law: the flat top is a finding of its own.
     let numbers = inspect(campaign, 0.0);
-    let masked = match numbers.saturation {
-        Some(level) => campaign
-            .runs
-            .iter()
-            .flat_map(|r| r.force_n.iter())
-            .map(|f| f.abs() >= level.value * (1.0 - 1e-9))
-            .collect(),
-        None => vec![false; campaign.runs.iter().map(|r| r.force_n.len()).sum()],
-    };
+    let masked = masked(campaign, numbers.saturation.map(|level| level.value));
     let mut samples = Samples::new(campaign);
     if let Some(file) = &options.model {
         take_extension_off(file, law, &mut experiment, &mut samples)?;
@@ -89,6 +80,21 @@ pub(crate) fn bench<'a>(
         masked,
         step_n: numbers.resolution.map(|step| step.value),
     })
+}
+
+/// Samples that say nothing about the law: clipped ones (the flat top is a finding of its own), and both ends of a run, where no
+/// record tells from what its filters started and how long its stage took to change its acceleration.
+fn masked(campaign: &Campaign, saturation: Option<f64>) -> Vec<bool> {
+    let mut masked = Vec::new();
+    for run in &campaign.runs {
+        let clipped = |f: &f64| saturation.is_some_and(|level| f.abs() >= level * (1.0 - 1e-9));
+        let first = masked.len();
+        masked.extend(run.force_n.iter().map(clipped));
+        let last = masked.len() - 1;
+        masked[first] = true;
+        masked[last] = true;
+    }
+    masked
 }
 
 /// Takes what a model file's extension adds to the law's prediction off the record, so that only what is beyond it is

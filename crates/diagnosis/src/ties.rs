@@ -104,6 +104,7 @@ fn remedy(lack: rig::Requirement) -> &'static str {
         rig::Requirement::Clock => "write down when each run started",
         rig::Requirement::BothDirections => "repeat a run in the other direction",
         rig::Requirement::Reversals => "add a run that reverses",
+        rig::Requirement::MovingMass => "state the rig's moving mass",
     }
 }
 

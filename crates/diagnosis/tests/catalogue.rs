@@ -10,7 +10,7 @@ use rig::{Cause, Experiment, Model, Requirement, Station};
 use rigs::{BRISTLE, LUGRE, rich};
 
 /// Ids, stations and reported parameters, as other programs know them.
-const VOCABULARY: [(&str, &str, &[&str]); 29] = [
+const VOCABULARY: [(&str, &str, &[&str]); 30] = [
     (
         "stage-ripple",
         "stage",
@@ -20,6 +20,11 @@ const VOCABULARY: [(&str, &str, &[&str]); 29] = [
         "cord-compliance",
         "coupling",
         &["compliance_m_n", "damping_n_s_m"],
+    ),
+    (
+        "cord-compliance",
+        "coupling",
+        &["compliance_m_n", "damping_n_s_m", "mass_kg"],
     ),
     ("stribeck-shape", "law", &["exponent_minus_2"]),
     ("velocity-strengthening", "law", &["quadratic_s2_m2"]),

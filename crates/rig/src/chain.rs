@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use friction::{Drive, IntegrationError, Law, Record, Scalar, integrate};
 
 use crate::cord::{Corded, tension};
-use crate::{ChainScalar, Coupling, Experiment, Hook, Model, Place, Reach, RunMotion};
+use crate::signal::slope;
+use crate::{ChainScalar, Coupling, Experiment, Hook, Model, Place, Reach, RunMotion, Station};
 
 /// What a prediction needs besides the model and the experiment.
 pub(crate) struct Pass<'a, D> {
@@ -195,17 +196,45 @@ impl<D: ChainScalar> Pass<'_, D> {
         if let Some(gain) = self.gain {
             force.iter_mut().for_each(|f| *f *= gain);
         }
-        if self.experiment.moving_mass_kg != 0.0 {
-            for (f, a) in force.iter_mut().zip(&run.acceleration_m_s2) {
-                *f += self.experiment.moving_mass_kg * a;
-            }
-        }
+        self.add_inertia(run, &mut force);
 
         // load, sensor, clock
         self.in_place(Reach::Record, run, &mut force, |force_n| Hook::Record {
             force_n,
         });
         Ok(force)
+    }
+
+    /// Adds the inertia of the rig's stated mass. It follows the speed of the motor: the record's where the velocity channel is
+    /// sound, else what the channel was given.
+    fn add_inertia(&self, run: &RunMotion, force: &mut [D]) {
+        let mass = self.experiment.moving_mass_kg;
+        if mass == 0.0 {
+            return;
+        }
+        let of_the_channel = |i: &usize| {
+            let cause = &self.model.effects[*i];
+            self.active[*i] && cause.reach() == Reach::Stage && cause.station() == Station::Sensor
+        };
+        if let Some(i) = self.model.sequence.iter().copied().find(of_the_channel) {
+            let at = Place {
+                experiment: self.experiment,
+                run,
+            };
+            let mut velocity: Vec<D> = run.velocity_m_s.iter().map(|&v| D::constant(v)).collect();
+            let own = &self.parameters[self.model.span(i)];
+            let hook = Hook::Stage {
+                velocity: &mut velocity,
+            };
+            D::call(self.model.effects[i].as_ref(), own, at, hook);
+            for (f, a) in force.iter_mut().zip(slope(&run.time_s, &velocity)) {
+                *f += a * mass;
+            }
+            return;
+        }
+        for (f, a) in force.iter_mut().zip(&run.acceleration_m_s2) {
+            *f += mass * a;
+        }
     }
 
     /// Steps from sample to sample that the active effects ask for on a run.

@@ -52,6 +52,8 @@ pub enum Requirement {
     BothDirections,
     /// Reversals within a run.
     Reversals,
+    /// A stated moving mass on a rig without a load.
+    MovingMass,
 }
 
 impl Requirement {
@@ -64,6 +66,7 @@ impl Requirement {
             Requirement::Clock => experiment.has_clock,
             Requirement::BothDirections => experiment.has_both_directions(),
             Requirement::Reversals => experiment.has_reversals(),
+            Requirement::MovingMass => !experiment.has_load && experiment.moving_mass_kg > 0.0,
         }
     }
 
@@ -76,6 +79,7 @@ impl Requirement {
             Requirement::Clock => "the start of the runs on the campaign's clock is not recorded",
             Requirement::BothDirections => "all runs go in one direction",
             Requirement::Reversals => "no run reverses",
+            Requirement::MovingMass => "no moving mass is stated, or there is a load",
         }
     }
 }

@@ -81,8 +81,11 @@ fn rest_before(rig: &Rig, run: &RunPlan, history: &mut History) {
 }
 
 /// What a run does to the specimen: reverse sliding bends the bristles lastingly, forward sliding straightens them. A specimen
-/// that was turned round is slid the other way.
+/// that was turned round is slid the other way; one that touches nothing stays as it is.
 fn bend_after(rig: &Rig, run: &RunPlan, history: &mut History) {
+    if run.load_n == Some(0.0) {
+        return;
+    }
     for effect in &rig.effects {
         if let Effect::BristleSet { angle_rad, runs } = effect {
             let goal = match (run.direction, run.specimen_turned) {

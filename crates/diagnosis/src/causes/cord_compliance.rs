@@ -1,6 +1,7 @@
 //! The elastic cord between specimen and sensor: compliance C (m/N), damping d (N s/m), on it the specimen's mass, taken as
-//! its load over standard gravity (the load is the weight; inferred) or, without a load, the rig's moving mass. The mechanics
-//! stand in [`rig::Coupling`].
+//! its load over standard gravity (the load is the weight; inferred) or, without a load, the rig's moving mass. In a second form
+//! the moving mass stands beside the cord, on the motor's side, and nothing of weight is on it. The mechanics stand in
+//! [`rig::Coupling`].
 //!
 //! A resonance of more than a turn between samples leaves no ringing in the record, so its damping cannot be told and the
 //! ringing need not be computed: from there on the mass is taken as damped critically, the more the faster it is,
@@ -9,9 +10,13 @@
 //! d + 2 sqrt(m / C) s(w dt / pi),   w = 1 / sqrt(m C),   s = 0 up to 2, 1 from 4 on, smooth between
 //! ```
 
+use std::collections::BTreeMap;
+
 use friction::{ParameterSpec, Scalar};
 use rig::GRAVITY_M_S2;
-use rig::{Cause, Coupling, Experiment, Place, Reach, RunMotion, Station};
+use rig::{
+    Cause, Coupling, Experiment, Place, Reach, Reported, Requirement, RunMotion, Station,
+};
 
 use super::grids;
 
@@ -129,6 +134,75 @@ impl Cause for CordCompliance {
         if !slack && mass > 0.0 {
             coupling.damping += unseen_damping(p[0], mass, mean_step_s(at.run));
         }
+    }
+}
+
+/// The same cord beside the rig's moving mass: only the contact is elastic.
+#[derive(Clone, Copy, Debug)]
+pub struct CordBesideMass;
+
+impl Cause for CordBesideMass {
+    fn id(&self) -> &'static str {
+        CordCompliance.id()
+    }
+
+    fn variant(&self) -> Option<&'static str> {
+        Some("beside the moving mass")
+    }
+
+    fn station(&self) -> Station {
+        CordCompliance.station()
+    }
+
+    fn reach(&self) -> Reach {
+        CordCompliance.reach()
+    }
+
+    fn describe(&self) -> &'static str {
+        CordCompliance.describe()
+    }
+
+    fn parameters(&self) -> &'static [ParameterSpec] {
+        PARAMETERS
+    }
+
+    fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
+        CordCompliance.parameters_for(experiment)
+    }
+
+    fn requirements(&self) -> &'static [Requirement] {
+        &[Requirement::MovingMass]
+    }
+
+    fn starts(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+        CordCompliance.starts(experiment)
+    }
+
+    fn prepare_start(&self, experiment: &Experiment, start: &mut [f64]) {
+        CordCompliance.prepare_start(experiment, start);
+    }
+
+    fn reported(&self, fitted: &[f64]) -> Vec<Reported> {
+        let mut reported = CordCompliance.reported(fitted);
+        reported.push(Reported {
+            name: "mass_kg",
+            unit: "kg",
+            value: 0.0,
+            gradient: vec![0.0; fitted.len()],
+        });
+        reported
+    }
+
+    fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
+        match reported.get("mass_kg") {
+            Some(0.0) => CordCompliance.from_reported(reported),
+            _ => Err("mass_kg".to_owned()),
+        }
+    }
+
+    fn coupling<D: Scalar>(&self, p: &[D], _at: Place<'_>, coupling: &mut Coupling<D>) {
+        coupling.compliance = p[0];
+        coupling.damping = p[1];
     }
 }
 

@@ -10,7 +10,7 @@ macro_rules! catalogue {
         $(mod $module;)*
         $($(pub use $module::$form;)+)*
 
-        /// Every cause, in the order of the list; causes with more than one form (memory in time and in distance, wear with and without a limit)
+        /// Every cause, in the order of the list; causes with more than one form (memory in time and in distance, wear with and without a limit, a cord under the moving mass and beside it)
         /// stand in every form, with the same id.
         pub fn catalogue() -> Vec<Box<dyn rig::Cause>> {
             vec![$($(Box::new($form)),+),*]
@@ -20,7 +20,7 @@ macro_rules! catalogue {
 
 catalogue! {
     stage_ripple::StageRipple;
-    cord_compliance::CordCompliance;
+    cord_compliance::CordCompliance, CordBesideMass;
     stribeck_shape::StribeckShape;
     velocity_strengthening::VelocityStrengthening;
     lean_angle::LeanAngle;
