@@ -248,7 +248,9 @@ fn derivatives_of_the_whole_chain_are_exact() {
                 "frequency_hz" => direction[k] = 0.1,
                 _ => {}
             }
-            let e = 1e-2;
+            // a cord without mass is so nearly linear that small remainders drown in the integration's own error
+            let massless = cause.variant() == Some("beside the moving mass");
+            let e = if massless { 0.1 } else { 1e-2 };
             let (ratio, linear) = taylor_ratio(&model, &experiment, &p, &direction, e);
             let name = format!("{}, {}", cause.id(), model.parameters()[k].name);
             // a remainder at rounding against the first-order change: linear, nothing left to halve

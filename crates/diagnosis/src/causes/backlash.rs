@@ -47,9 +47,9 @@ impl Cause for Backlash {
         &[Requirement::Reversals]
     }
 
-    fn steps_a_sample(&self, p: &[f64], run: &RunMotion) -> usize {
-        let reverses = run.velocity_m_s.iter().any(|v| *v > 0.0) && run.velocity_m_s.iter().any(|v| *v < 0.0);
-        if reverses && p[0] > 0.0 { STEPS } else { 1 }
+    fn steps_a_sample(&self, _p: &[f64], run: &RunMotion) -> usize {
+        let goes = |way: f64| run.velocity_m_s.iter().any(|v| v * way > 0.0);
+        if goes(1.0) && goes(-1.0) { STEPS } else { 1 }
     }
 
     fn stage<D: Scalar>(&self, p: &[D], at: Place<'_>, velocity: &mut [D]) {
