@@ -15,6 +15,7 @@ pub mod compose;
 pub mod controls;
 mod diagnosis_page;
 pub mod engine;
+mod integrators;
 pub mod judge;
 pub mod judgements;
 pub mod multiverse;

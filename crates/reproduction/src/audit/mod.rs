@@ -10,9 +10,11 @@ mod printed;
 mod robot;
 mod shown;
 mod stiffness;
+mod worlds;
 
 use report::{AuditItem, AuditOutcome, Evidence, Section, Value, typeset_prose};
 
+use crate::multiverse::Worlds;
 use crate::published::{Interval, Published, PublishedError};
 
 /// Standard gravity, m/s^2 (3rd CGPM, 1901; exact by definition).
@@ -26,6 +28,8 @@ pub(crate) struct Audit {
     pub(crate) values: Vec<Value>,
     pub(crate) items: Vec<AuditItem>,
     pub(crate) sections: Vec<Section>,
+    /// Claims with what every combination of choices gives for them.
+    pub(crate) worlds: Vec<(&'static str, Worlds)>,
 }
 
 /// Checks everything.
@@ -42,6 +46,7 @@ pub(crate) fn examine(published: &Published) -> Result<Audit, PublishedError> {
     robot::check(&mut book)?;
     let drawn = shown::bristle_to_scale(&book, lean.joint)?;
     Ok(Audit {
+        worlds: worlds::all(&book)?,
         values: book.values,
         items: book.items,
         sections: vec![law::section(&lean, drawn), shown::robot()],

@@ -28,6 +28,12 @@ impl Stage for Audit {
         output
             .work
             .insert("sums".to_owned(), audit.items.len() as u64);
+        for (claim, worlds) in &audit.worlds {
+            let artefact = worlds
+                .artefact(claim)
+                .map_err(|error| StageError::Failed(error.to_string()))?;
+            output.artefacts.extend([artefact]);
+        }
         output.values = audit.values;
         output.sections = audit.sections;
         Ok(output)
