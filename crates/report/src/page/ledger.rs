@@ -224,6 +224,7 @@ fn drift_view(drift: &Drift, lookup: &Lookup<'_>) -> Value {
         rows,
         verdicts => minijinja::value::Serde(&drift.verdicts),
         by_values => minijinja::value::Serde(&drift.by_values),
+        platforms => minijinja::value::Serde(&drift.platforms),
         nothing => drift.nothing(),
     }
 }

@@ -28,8 +28,6 @@ pub(crate) struct Audit {
     pub(crate) values: Vec<Value>,
     pub(crate) items: Vec<AuditItem>,
     pub(crate) sections: Vec<Section>,
-    /// Claims with what every combination of choices gives for them.
-    pub(crate) worlds: Vec<(&'static str, Worlds)>,
 }
 
 /// Checks everything.
@@ -46,11 +44,18 @@ pub(crate) fn examine(published: &Published) -> Result<Audit, PublishedError> {
     robot::check(&mut book)?;
     let drawn = shown::bristle_to_scale(&book, lean.joint)?;
     Ok(Audit {
-        worlds: worlds::all(&book)?,
         values: book.values,
         items: book.items,
         sections: vec![law::section(&lean, drawn), shown::robot()],
     })
+}
+
+/// Claims that the audit decides, with what every combination of choices gives for them.
+///
+/// # Errors
+/// Where a published number is missing.
+pub(crate) fn worlds(published: &Published) -> Result<Vec<(&'static str, Worlds)>, PublishedError> {
+    worlds::all(&Book::new(published))
 }
 
 /// Collects sums and their numbers.

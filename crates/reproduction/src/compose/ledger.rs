@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 use report::{ClaimRow, Comparison, Deviation, Prose, Verdict, typeset, typeset_prose};
 
 use crate::claims::Claim;
-use crate::judge::{Check, flips_at};
+use crate::flips;
+use crate::judge::Check;
 use crate::judgements::Judged;
 use crate::results::{interval, ours, significant};
 
@@ -31,10 +32,7 @@ pub(super) fn row(
         .map(|text| typeset(&text).into());
     row.tolerance = typeset(&claim.tolerance_text).into();
     row.reason = typeset(&claim.reason).into();
-    row.flips_at = (judged.verdict != Verdict::NotTestable)
-        .then(|| flips(&judged.checks))
-        .flatten()
-        .map(Into::into);
+    row.flips_at = flips::words(claim, &judged.checks).map(Into::into);
     row.account = told(&claim.account, known);
     if let Some(reason) = &claim.no_choices {
         let reason = told(reason, known);
@@ -156,37 +154,6 @@ fn deviation(checks: &[Check]) -> Option<String> {
         })
         .collect();
     (!outside.is_empty()).then(|| outside.join("; "))
-}
-
-/// Where the verdict flips: checks without a tolerance (counts, orders) hold or fail whatever the others are given.
-fn flips(checks: &[Check]) -> Option<String> {
-    let (given, without): (Vec<Check>, Vec<Check>) = checks
-        .iter()
-        .cloned()
-        .partition(|check| check.tolerance > 0.0);
-    if checks.is_empty() || checks.iter().any(|check| check.gap().is_none()) {
-        return None;
-    }
-    if given.is_empty() {
-        return Some("at no tolerance: none takes part".to_owned());
-    }
-    if without.iter().any(|check| check.gap() > Some(0.0)) {
-        return Some("at no tolerance: a check that has none fails".to_owned());
-    }
-    flips_at(&given).map(flip_words)
-}
-
-fn flip_words(factor: f64) -> String {
-    if factor > 1.0 {
-        format!(
-            "would agree with {} times the tolerance",
-            significant(factor)
-        )
-    } else if factor > 0.0 {
-        format!("agrees down to {} of the tolerance", significant(factor))
-    } else {
-        "agrees with any tolerance".to_owned()
-    }
 }
 
 /// Every claim that is not reproduced and was run, with the class of its cause and what would settle it.
