@@ -4,7 +4,7 @@ use report::Verdict;
 
 use crate::claims::Claim;
 use crate::judge::{Check, verdict};
-use crate::results::significant;
+use crate::results::{significant, stated};
 
 /// Where a verdict would be another one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -85,7 +85,7 @@ pub fn words(claim: &Claim, checks: &[Check]) -> Option<String> {
         return None;
     }
     if thresholds(checks).is_empty() {
-        return Some("at no tolerance: none takes part".to_owned());
+        return Some("nowhere: no tolerance takes part".to_owned());
     }
     let found = flips(claim, checks);
     let mut said = Vec::new();
@@ -113,9 +113,9 @@ pub fn words(claim: &Claim, checks: &[Check]) -> Option<String> {
         .into_iter()
         .any(|check| check.agrees() == Some(false));
     Some(if decided {
-        "at no tolerance: a check that has none fails".to_owned()
+        "nowhere: a check that has no tolerance fails".to_owned()
     } else {
-        "at no tolerance: it needs none".to_owned()
+        "nowhere: ours meets the published interval without any tolerance".to_owned()
     })
 }
 
@@ -124,11 +124,11 @@ fn absolute(claim: &Claim, factor: f64) -> String {
     let each: Vec<String> = claim
         .tolerance
         .values()
-        .map(|stated| {
+        .map(|tolerance| {
             format!(
                 "{} in place of {}",
-                significant(factor * stated),
-                significant(*stated)
+                significant(factor * tolerance),
+                stated(*tolerance)
             )
         })
         .collect();
@@ -181,7 +181,7 @@ mod tests {
         assert_eq!(agrees_from(&claim, &checks), Some(0.4));
         let said = words(&claim, &checks).unwrap();
         assert!(
-            said.starts_with("differs below 0.4000 of the stated tolerance (1 in place of 2.500)"),
+            said.starts_with("differs below 0.4000 of the stated tolerance (1 in place of 2.5)"),
             "{said}"
         );
         assert!(said.contains("reproduced from 3"), "{said}");
@@ -208,14 +208,14 @@ mod tests {
         assert_eq!(agrees_from(&claim, &[exact(0.0), outside(0.5)]), Some(0.5));
         assert_eq!(agrees_from(&claim, &[exact(1.0), outside(0.5)]), None);
         let said = words(&claim, &[exact(1.0), outside(0.5)]).unwrap();
-        assert_eq!(said, "at no tolerance: a check that has none fails");
+        assert_eq!(said, "nowhere: a check that has no tolerance fails");
         assert_eq!(
             words(&claim, &[exact(0.0)]).unwrap(),
-            "at no tolerance: none takes part"
+            "nowhere: no tolerance takes part"
         );
         assert_eq!(
             words(&claim, &[outside(0.0)]).unwrap(),
-            "at no tolerance: it needs none"
+            "nowhere: ours meets the published interval without any tolerance"
         );
     }
 }

@@ -183,6 +183,16 @@ pub fn interval(interval: Interval, unit: &str) -> String {
     }
 }
 
+/// A number that somebody chose: as `significant`, without zeros at the end.
+#[must_use]
+pub fn stated(value: f64) -> String {
+    let text = significant(value);
+    if text.contains('.') && !text.contains('e') {
+        return text.trim_end_matches('0').trim_end_matches('.').to_owned();
+    }
+    text
+}
+
 /// A number to four significant digits.
 #[must_use]
 pub fn significant(value: f64) -> String {

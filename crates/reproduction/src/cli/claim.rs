@@ -14,7 +14,7 @@ use crate::flips;
 use crate::judge::Check;
 use crate::judgements::Judged;
 use crate::names::nearest;
-use crate::results::{Results, interval, significant};
+use crate::results::{Results, interval, stated};
 use crate::stages;
 
 pub(super) fn run(arguments: &ClaimArguments) -> Result<Outcome, Failure> {
@@ -117,7 +117,7 @@ fn compared(check: &Check) -> String {
     } else {
         format!(" {}", check.unit)
     };
-    let tolerance = format!("{}{unit}", significant(check.tolerance));
+    let tolerance = format!("{}{unit}", stated(check.tolerance));
     let (lower, upper) = (check.allowed.lower, check.allowed.upper);
     let held = if lower == 0.0 && upper == 0.0 && check.tolerance > 0.0 {
         format!("at most {tolerance} agrees")
@@ -179,11 +179,11 @@ mod tests {
     fn a_comparison_is_said_as_a_person_would() {
         assert_eq!(
             compared(&check(0.0168, [0.0, 0.0], 0.05)),
-            "error forward: 0.01680; at most 0.05000 agrees: it does"
+            "error forward: 0.01680; at most 0.05 agrees: it does"
         );
         assert_eq!(
             compared(&check(11.58, [14.8, 14.9], 0.5)),
-            "error forward: 11.58; the paper's [14.80, 14.90] to within 0.5000 agrees: it does not"
+            "error forward: 11.58; the paper's [14.80, 14.90] to within 0.5 agrees: it does not"
         );
         assert_eq!(
             compared(&check(-4.9, [f64::MIN_POSITIVE, f64::INFINITY], 0.0)),
