@@ -19,8 +19,10 @@ const PLACEMENTS: [(&str, Placement); 2] = [
     ("stiffness term", Placement::StiffnessOnly),
 ];
 const EXPONENTS: [(&str, Exponent<f64>); 2] = [("2", Exponent::Two), ("1/2", Exponent::Half)];
+/// A way to a lean.
+type Way = fn(&Leans) -> f64;
 /// Ways to a lean from two printed coefficients.
-const LEANS: [(&str, fn(&Leans) -> f64); 3] = [
+const LEANS: [(&str, Way); 3] = [
     ("both coefficients", Leans::joint),
     ("forward alone", Leans::forward),
     ("reverse alone", Leans::reverse),
@@ -230,7 +232,7 @@ fn identifiable(printed: &Printed) -> Worlds {
 }
 
 fn one_lean(printed: &Printed) -> Worlds {
-    let fits: [(&str, fn(&Leans) -> f64); 2] = [
+    let fits: [(&str, Way); 2] = [
         ("least squares", Leans::joint),
         ("least largest residual", Leans::fairest),
     ];
