@@ -28,7 +28,7 @@
   const search = $("#search");
   const boxes = all(".filters input");
   const texts = new Map();
-  const parts = all(".claim, .deviation, .sum, main > section > .card, main > section > .equation");
+  const parts = all(".claim, .deviation, .sum, .check, main > section > .card, main > section > .equation");
   for (const part of parts) texts.set(part, part.textContent.toLowerCase());
   const apply = () => {
     const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
@@ -82,7 +82,7 @@
   const facts = JSON.parse($("#run-facts").textContent);
   for (const cost of all(".cost")) {
     const seconds = facts.seconds?.[cost.dataset.cost];
-    if (typeof seconds === "number") cost.textContent = `took ${seconds.toPrecision(2)} s in this run`;
+    if (typeof seconds === "number") cost.textContent = `takes ${seconds < 0.1 ? "less than 0.1" : seconds.toPrecision(2)} s to compute`;
   }
 
   // Commands can be copied.
@@ -99,17 +99,19 @@
     }
   }
 
-  // Review: a judgement and a note for each claim, kept in this browser, exported as JSON or Markdown.
+  // Review: a judgement and a note for each claim and each question, kept in this browser, exported as JSON or Markdown.
   const identity = ($(".facts .hash")?.textContent ?? "").replace("sha256:", "");
   const key = `bristle-review-${identity}`;
   const notes = read(key, {});
+  const questions = all(".check");
   const judgements = ["not checked", "I agree", "I disagree", "unclear"];
+  const checked = (parts) => `${parts.filter((part) => notes[part.id]?.judgement > 0).length} of ${parts.length}`;
   const count = () => {
-    const done = claims.filter((claim) => notes[claim.id]?.judgement > 0).length;
-    $("#reviewed").textContent = `${done} of ${claims.length} checked`;
+    const own = questions.length ? `, ${checked(questions)} questions` : "";
+    $("#reviewed").textContent = `${checked(claims)} claims checked${own}`;
   };
-  const form = (claim) => {
-    const note = notes[claim.id] ?? (notes[claim.id] = { judgement: 0, text: "" });
+  const form = (part) => {
+    const note = notes[part.id] ?? (notes[part.id] = { judgement: 0, text: "" });
     const box = document.createElement("div");
     box.className = "review";
     const label = document.createElement("label");
@@ -119,7 +121,7 @@
     label.append(select);
     const area = document.createElement("textarea");
     area.value = note.text;
-    area.setAttribute("aria-label", `Note on ${claim.id}`);
+    area.setAttribute("aria-label", `Note on ${part.id}`);
     const keep = () => {
       note.judgement = Number(select.value);
       note.text = area.value;
@@ -129,13 +131,13 @@
     select.addEventListener("change", keep);
     area.addEventListener("input", keep);
     box.append(label, area);
-    claim.append(box);
+    part.append(box);
   };
   const review = () => {
     const on = $("#review").getAttribute("aria-pressed") !== "true";
     $("#review").setAttribute("aria-pressed", String(on));
     $("#review-bar").hidden = !on;
-    if (on && !$(".review")) claims.forEach(form);
+    if (on && !$(".review")) [...claims, ...questions].forEach(form);
     for (const box of all(".review")) box.hidden = !on;
     count();
   };
@@ -147,19 +149,35 @@
     link.download = name;
     link.click();
   };
-  const rows = () => claims.map((claim) => ({
-    claim: claim.id,
-    verdict: claim.dataset.verdict,
-    judgement: judgements[notes[claim.id]?.judgement ?? 0],
-    note: notes[claim.id]?.text ?? "",
+  const own = (part) => ({
+    judgement: judgements[notes[part.id]?.judgement ?? 0],
+    note: notes[part.id]?.text ?? "",
+  });
+  const rows = () => claims.map((claim) => ({ claim: claim.id, verdict: claim.dataset.verdict, ...own(claim) }));
+  const words = (part, selector) => ($(selector, part)?.textContent ?? "").replace(/\s+/g, " ").trim();
+  const list = () => questions.map((part) => ({
+    question: part.id,
+    source: words(part, ".locator"),
+    text: words(part, ".question"),
+    answer: part.dataset.answer,
+    evidence: words(part, ".shown"),
+    see: all(".shown a[href^='#']", part).map((link) => link.getAttribute("href")),
+    ...own(part),
   }));
   $("#export-json").addEventListener("click", () => save("review.json", "application/json",
-    JSON.stringify({ schema: "bristle/review/1", results: identity, commit: facts.commit ?? null, claims: rows() }, null, 2)));
+    JSON.stringify({ schema: "bristle/review/1", results: identity, commit: facts.commit ?? null, claims: rows(), checklist: list() }, null, 2)));
   $("#export-md").addEventListener("click", () => {
     const lines = [`# Review of ${document.title}`, "", `Results \`sha256:${identity}\``, ""];
-    for (const row of rows()) {
-      lines.push(`- [${row.judgement === judgements[0] ? " " : "x"}] **${row.claim}** (${row.verdict}): ${row.judgement}`);
+    const add = (row, name, words) => {
+      lines.push(`- [${row.judgement === judgements[0] ? " " : "x"}] **${name}** ${words}: ${row.judgement}`);
       if (row.note) lines.push(...row.note.split("\n").map((line) => `  > ${line}`));
+    };
+    lines.push("## Claims", "");
+    for (const row of rows()) add(row, row.claim, `(${row.verdict})`);
+    if (questions.length) lines.push("", "## Checklist", "");
+    for (const row of list()) {
+      add(row, row.question, `${row.text} (${row.source}; the report says: ${row.answer})`);
+      lines.push(`  ${row.evidence}`);
     }
     save("review.md", "text/markdown", `${lines.join("\n")}\n`);
   });

@@ -108,7 +108,7 @@ for (const colorScheme of ["light", "dark"]) {
     const drawings = await page.locator("svg.plot").count();
     const tools = await page.locator(".tools").isVisible();
     await page.context().close();
-    return { text: text.join("\n").replace(/\bCopy\b|took [\d.e+-]+ s in this run/g, "").replace(/\s+/g, " "), drawings, tools };
+    return { text: text.join("\n").replace(/\bCopy\b|takes (less than )?[\d.e+-]+ s to compute/g, "").replace(/\s+/g, " "), drawings, tools };
   };
   const without = await words({ javaScriptEnabled: false, viewport: { width: 1280, height: 900 } });
   const scripted = await words({ viewport: { width: 1280, height: 900 } });
@@ -149,10 +149,19 @@ for (const colorScheme of ["light", "dark"]) {
     const notes = JSON.parse(readFileSync(await (await download).path(), "utf8"));
     const row = notes.claims.find((claim) => claim.claim === id);
     expect(row?.note === "a note" && row.judgement === "I disagree", "the exported notes lack the note");
+    facts.questions = await page.locator(".check").count();
+    expect(notes.checklist.length === facts.questions, "the exported checklist is not that of the page");
+    for (const item of notes.checklist) {
+      expect(item.text && item.answer && item.evidence && item.source, `the exported line ${item.question} is not filled in`);
+      for (const target of item.see) {
+        expect(await page.locator(`[id="${target.slice(1)}"]`).count() === 1, `${item.question} points at ${target}, which is not there`);
+      }
+    }
     const markdown = page.waitForEvent("download");
     await page.locator("#export-md").click();
     const text = readFileSync(await (await markdown).path(), "utf8");
     expect(text.includes(`**${id}**`) && text.includes("> a note"), "the exported Markdown lacks the note");
+    expect(facts.questions === 0 || /- \[[ x]\] \*\*R01\*\* .*the report says/.test(text), "the exported Markdown lacks the checklist");
   }
   const ground = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
   const before = await ground();

@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{AuditItem, ClaimRow, Deviation, Drift, NegativeControl, Prose, Section, Value};
+use crate::{
+    AuditItem, CheckItem, ClaimRow, Deviation, Drift, NegativeControl, Prose, Section, Value,
+};
 
 /// Everything that one page shows. Parts that are empty are left out of the page, so the same type serves the whole
 /// reproduction and the report of a single campaign.
@@ -42,6 +44,8 @@ pub struct Document {
     pub unpublished: Vec<Prose>,
     /// What was not reproduced or is out of scope, with reasons.
     pub out_of_scope: Vec<Prose>,
+    /// The questions of reviewers, answered as far as the program can.
+    pub checklist: Vec<CheckItem>,
     /// Every reconstruction choice with its status.
     pub choices: Vec<Choice>,
     /// Symbols with units.

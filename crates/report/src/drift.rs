@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum DriftClass {
-    /// A few units in the last place, same target and inputs.
+    /// A few units in the last place, same target and toolchain.
     Noise,
-    /// Another target or toolchain.
+    /// Another target or toolchain, same inputs: within tolerance of the physics.
     Platform,
     /// Same inputs, other program: within tolerance of the physics.
     Algorithm,
@@ -66,6 +66,8 @@ pub struct Drift {
     /// Claims with one verdict in both reports for which the earlier values, judged by the present rules, ask for another:
     /// (claim, by the earlier values, now).
     pub by_values: Vec<(String, String, String)>,
+    /// Target and compiler of the earlier report and of this one, where they are not the same.
+    pub platforms: Option<[String; 2]>,
 }
 
 impl Drift {

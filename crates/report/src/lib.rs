@@ -18,6 +18,7 @@
 
 mod audit;
 mod chain;
+mod checklist;
 mod claim;
 mod document;
 mod drift;
@@ -35,6 +36,7 @@ mod value;
 
 pub use audit::{AuditItem, AuditOutcome};
 pub use chain::{Chain, Station, Suspect, SuspectState};
+pub use checklist::{Answer, CheckItem};
 pub use claim::{
     CauseClass, ClaimRow, Comparison, Deviation, Multiverse, NegativeControl, Verdict,
 };

@@ -14,6 +14,8 @@ pub use flips::Rules;
 
 /// Element of the page that holds the results.
 const OPEN: &str = "<script type=\"application/json\" id=\"results\">";
+/// Element that holds the facts of its run.
+const FACTS: &str = "<script type=\"application/json\" id=\"run-facts\">";
 const CLOSE: &str = "</script>";
 
 /// An earlier report that cannot be compared with.
@@ -37,11 +39,66 @@ pub enum AgainstError {
     },
 }
 
-/// The results inside an earlier report.
+/// What an earlier report embeds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Earlier {
+    /// Its results.
+    pub results: Json,
+    /// Target and compiler that made it; empty where it does not say.
+    pub platform: Platform,
+}
+
+/// What a program was compiled for, and with what.
+#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Deserialize)]
+#[serde(default)]
+pub struct Platform {
+    /// Target triple.
+    pub target: String,
+    /// Compiler.
+    pub rustc: String,
+}
+
+impl Platform {
+    /// That of a run.
+    #[must_use]
+    pub fn of(run: &report::Run) -> Self {
+        Self {
+            target: run.target.clone(),
+            rustc: run.rustc.clone(),
+        }
+    }
+
+    fn words(&self) -> String {
+        [&self.target, &self.rustc]
+            .into_iter()
+            .filter(|part| !part.is_empty())
+            .cloned()
+            .collect::<Vec<_>>()
+            .join(", ")
+    }
+
+    /// Whether two reports say that they come from two platforms; one that says nothing is taken for the same.
+    fn differs(&self, other: &Self) -> bool {
+        let apart = |one: &str, other: &str| !one.is_empty() && !other.is_empty() && one != other;
+        apart(&self.target, &other.target) || apart(&self.rustc, &other.rustc)
+    }
+}
+
+/// The text of an embedded element.
+fn embedded<'p>(page: &'p str, open: &str) -> Option<Result<&'p str, &'static str>> {
+    let (_, rest) = page.split_once(open)?;
+    Some(
+        rest.split_once(CLOSE)
+            .map(|(text, _)| text)
+            .ok_or("its results do not end"),
+    )
+}
+
+/// The results inside an earlier report, and the platform that made it.
 ///
 /// # Errors
 /// Where the file cannot be read or embeds no results.
-pub fn read(path: &Path) -> Result<Json, AgainstError> {
+pub fn read(path: &Path) -> Result<Earlier, AgainstError> {
     let page = std::fs::read_to_string(path).map_err(|source| AgainstError::Read {
         path: path.to_owned(),
         source,
@@ -50,16 +107,18 @@ pub fn read(path: &Path) -> Result<Json, AgainstError> {
         path: path.to_owned(),
         problem: problem.to_owned(),
     };
-    let (_, rest) = page
-        .split_once(OPEN)
-        .ok_or_else(|| refuse("embeds no results"))?;
-    let (text, _) = rest
-        .split_once(CLOSE)
-        .ok_or_else(|| refuse("its results do not end"))?;
+    let text = embedded(&page, OPEN)
+        .ok_or_else(|| refuse("embeds no results"))?
+        .map_err(refuse)?;
+    let platform = embedded(&page, FACTS).and_then(Result::ok);
+    let platform = platform.and_then(|text| serde_json::from_str(text).ok());
     let results: Json = serde_json::from_str(text)
         .map_err(|error| refuse(&format!("its results are not JSON: {error}")))?;
     if results["schema"] == crate::results::SCHEMA {
-        Ok(results)
+        Ok(Earlier {
+            results,
+            platform: platform.unwrap_or_default(),
+        })
     } else {
         Err(refuse("its results have another schema"))
     }
@@ -84,12 +143,17 @@ pub fn tolerance(id: &str) -> f64 {
 /// Where a published number that a claim names is missing.
 pub fn compare(
     path: &Path,
-    old: &Json,
+    earlier: &Earlier,
     new: &Json,
+    platform: &Platform,
     rules: &Rules<'_>,
 ) -> Result<Drift, PublishedError> {
+    let old = &earlier.results;
+    let differ = Differ {
+        inputs: inputs(old) != inputs(new),
+        platform: earlier.platform.differs(platform),
+    };
     let (old_values, new_values) = (values(old), values(new));
-    let inputs_differ = inputs(old) != inputs(new);
     let verdicts = verdicts(old, new);
     let judged = flips::Judged::new(rules, old, new)?;
     let by_values = judged.by_values(&verdicts);
@@ -114,7 +178,7 @@ pub fn compare(
                 .map(|(_, unit)| unit.clone())
                 .unwrap_or_default(),
             tolerance_used_percent: used(id, a, b),
-            class: class(a, b, used(id, a, b), inputs_differ),
+            class: class(a, b, used(id, a, b), differ),
             flips: judged.alone(id)?,
         });
     }
@@ -134,6 +198,9 @@ pub fn compare(
         rows,
         verdicts,
         by_values,
+        platforms: differ
+            .platform
+            .then(|| [&earlier.platform, platform].map(Platform::words)),
     })
 }
 
@@ -154,15 +221,29 @@ fn share(rows: &mut [DriftRow], moved: &[&String], old: &Json, new: &Json) {
     }
 }
 
-/// Why a value moved, as far as the two results can tell: rounding, other inputs, within or beyond its tolerance.
-fn class(old: Option<f64>, new: Option<f64>, used: Option<f64>, inputs_differ: bool) -> DriftClass {
+/// What else is not the same in two reports.
+#[derive(Clone, Copy)]
+struct Differ {
+    inputs: bool,
+    platform: bool,
+}
+
+/// Why a value moved, as far as the two reports can tell: other inputs; within its tolerance, another platform, rounding or
+/// another algorithm; else the physics.
+fn class(old: Option<f64>, new: Option<f64>, used: Option<f64>, differ: Differ) -> DriftClass {
     const ROUNDING: f64 = 16.0 * f64::EPSILON;
     match (old, new, used) {
         (Some(a), Some(b), _) if (a - b).abs() <= ROUNDING * a.abs().max(b.abs()) => {
-            DriftClass::Noise
+            match differ.platform {
+                true => DriftClass::Platform,
+                false => DriftClass::Noise,
+            }
         }
-        _ if inputs_differ => DriftClass::Input,
-        (_, _, Some(used)) if used <= 100.0 => DriftClass::Algorithm,
+        _ if differ.inputs => DriftClass::Input,
+        (_, _, Some(used)) if used <= 100.0 => match differ.platform {
+            true => DriftClass::Platform,
+            false => DriftClass::Algorithm,
+        },
         _ => DriftClass::Physics,
     }
 }
@@ -240,6 +321,9 @@ pub fn words(drift: &Drift) -> String {
         drift.rows.len(),
         drift.unchanged
     )];
+    if let Some([before, now]) = &drift.platforms {
+        lines.push(format!("  platform: {before} -> {now}"));
+    }
     let shown =
         |value: Option<f64>| value.map_or_else(|| "absent".to_owned(), |value| value.to_string());
     for row in drift.rows.iter().take(20) {
@@ -298,6 +382,11 @@ mod tests {
     }
 
     fn compared(old: &Json, new: &Json) -> Drift {
+        compared_on(old, new, Platform::default())
+    }
+
+    /// The earlier report from a platform of its own, the present one from `x86_64` with compiler 1.
+    fn compared_on(old: &Json, new: &Json, platform: Platform) -> Drift {
         let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
         let published = crate::published::Published::read(&data.join("published.toml")).unwrap();
         let claims: Vec<_> = crate::claims::read(&data.join("claims.toml"))
@@ -309,7 +398,50 @@ mod tests {
             claims: &claims,
             published: &published,
         };
-        compare(Path::new("old.html"), old, new, &rules).unwrap()
+        let earlier = Earlier {
+            results: old.clone(),
+            platform,
+        };
+        let here = named("x86_64", "rustc 1");
+        compare(Path::new("old.html"), &earlier, new, &here, &rules).unwrap()
+    }
+
+    fn named(target: &str, rustc: &str) -> Platform {
+        Platform {
+            target: target.into(),
+            rustc: rustc.into(),
+        }
+    }
+
+    #[test]
+    fn a_small_change_is_laid_to_another_platform_only_where_there_is_one() {
+        let now = results(18.6, 4.7, "differs");
+        // gait values have a tolerance of a thousandth
+        let (ulp, little, much) = (4.7 * (1.0 + 4e-16), 4.701, 4.8);
+        let class = |gain: f64, platform: Platform| {
+            let drift = compared_on(&results(18.6, gain, "differs"), &now, platform);
+            assert_eq!(drift.rows.len(), 1);
+            (drift.rows[0].class, drift.platforms.is_some())
+        };
+        for other in [named("aarch64", "rustc 1"), named("x86_64", "rustc 2")] {
+            assert_eq!(class(ulp, other.clone()), (DriftClass::Platform, true));
+            assert_eq!(class(little, other.clone()), (DriftClass::Platform, true));
+            assert_eq!(class(much, other), (DriftClass::Physics, true));
+        }
+        for same in [named("x86_64", "rustc 1"), Platform::default()] {
+            assert_eq!(class(ulp, same.clone()), (DriftClass::Noise, false));
+            assert_eq!(class(little, same), (DriftClass::Algorithm, false));
+        }
+        let arm = named("aarch64", "rustc 1");
+        let said = words(&compared_on(&results(18.6, little, "differs"), &now, arm));
+        assert!(
+            said.contains("platform: aarch64, rustc 1 -> x86_64, rustc 1"),
+            "{said}"
+        );
+        assert!(
+            said.contains("gait.gain") && said.contains(", platform"),
+            "{said}"
+        );
     }
 
     #[test]
@@ -379,15 +511,20 @@ mod tests {
         let text = results(18.6, 4.7, "differs")
             .to_string()
             .replace('<', "\\u003c");
-        campaign::write_atomically(
-            &folder.join("old.html"),
-            format!("<html>{OPEN}{text}{CLOSE}</html>").as_bytes(),
-        )
-        .unwrap();
-        assert_eq!(
-            read(&folder.join("old.html")).unwrap(),
-            results(18.6, 4.7, "differs")
-        );
+        let facts = r#"{"commit": "c", "target": "aarch64", "rustc": "rustc 1"}"#;
+        for (facts, platform) in [
+            (
+                format!("{FACTS}{facts}{CLOSE}"),
+                named("aarch64", "rustc 1"),
+            ),
+            (String::new(), Platform::default()),
+        ] {
+            let page = format!("<html>{facts}{OPEN}{text}{CLOSE}</html>");
+            campaign::write_atomically(&folder.join("old.html"), page.as_bytes()).unwrap();
+            let earlier = read(&folder.join("old.html")).unwrap();
+            assert_eq!(earlier.results, results(18.6, 4.7, "differs"));
+            assert_eq!(earlier.platform, platform);
+        }
         campaign::write_atomically(&folder.join("empty.html"), b"<html></html>").unwrap();
         assert!(
             read(&folder.join("empty.html"))

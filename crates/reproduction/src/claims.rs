@@ -97,8 +97,9 @@ mod tests {
     use super::*;
 
     /// Claims for which a stage leaves verdicts over choices.
-    const WITH_CHOICES: [&str; 11] = [
-        "C01", "C02", "C03", "C05", "C06", "C09", "C10", "C11", "C12", "C13", "C22",
+    const WITH_CHOICES: [&str; 15] = [
+        "C01", "C02", "C03", "C05", "C06", "C07", "C09", "C10", "C11", "C12", "C13", "C17", "C18",
+        "C21", "C22",
     ];
 
     #[test]

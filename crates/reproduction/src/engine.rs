@@ -40,8 +40,10 @@ pub struct Finished {
     pub output: Result<Arc<StageOutput>, String>,
     /// Inputs by path with their hashes.
     pub inputs: BTreeMap<String, String>,
-    /// Wall time, s.
+    /// Wall time in this run, s: near zero where the output was kept.
     pub seconds: f64,
+    /// Whether the output was kept from an earlier run.
+    pub kept: bool,
     /// Key of its output: part of the keys of stages that need it.
     key: String,
 }
@@ -222,6 +224,7 @@ impl Engine<'_> {
             output,
             inputs,
             seconds: 0.0,
+            kept: matches!(source, Source::Kept),
             key,
         };
         finished.seconds = self.watch.end(id, &finished.status(), source);

@@ -127,21 +127,6 @@ fn strength(evidence: Evidence) -> u8 {
     }
 }
 
-/// The smallest common factor on the tolerances with which every check would agree: above 1 for a claim that fails.
-/// `None` where a value is missing or a tolerance is zero.
-#[must_use]
-pub fn flips_at(checks: &[Check]) -> Option<f64> {
-    let factors: Option<Vec<f64>> = checks
-        .iter()
-        .map(|check| {
-            Some(check.gap()?)
-                .filter(|_| check.tolerance > 0.0)
-                .map(|gap| gap / check.tolerance)
-        })
-        .collect();
-    factors.map(|factors| factors.into_iter().fold(0.0, f64::max))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -207,11 +192,5 @@ mod tests {
             check(Some(1.0), Evidence::Synthetic),
         ];
         assert_eq!(weakest(&pair), Some(Evidence::Synthetic));
-    }
-
-    #[test]
-    fn the_factor_that_flips_is_the_gap_in_tolerances() {
-        let factor = flips_at(&[check(Some(12.715), Evidence::Computed)]).unwrap();
-        assert!((factor - 2.0).abs() < 1e-9);
     }
 }

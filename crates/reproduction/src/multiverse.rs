@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::claims::Claim;
 use crate::engine::Finished;
-use crate::judge;
+use crate::flips::agrees_from;
 use crate::judgements::{Facts, Judged, judge};
 use crate::published::{Published, PublishedError};
 use crate::results::significant;
@@ -125,38 +125,51 @@ fn of_claim(
         .iter()
         .map(|one| one.as_ref().map_or(Verdict::NotRun, |one| one.verdict))
         .collect();
-    let factors: Option<Vec<f64>> = judgements
+    let stated = judged.checks.iter().any(|check| check.tolerance > 0.0);
+    let factors: Vec<Option<f64>> = judgements
         .iter()
         .flatten()
-        .map(|one| judge::flips_at(&one.checks))
+        .filter(|_| stated)
+        .map(|one| agrees_from(claim, &one.checks))
         .collect();
     Ok(Multiverse {
         holds: verdicts.iter().filter(|v| **v == judged.verdict).count(),
         of: verdicts.iter().filter(|v| **v != Verdict::NotRun).count(),
         axes: worlds.axes.clone(),
-        account: factors.map_or_else(String::new, |all| account(&all)).into(),
+        account: account(&factors).into(),
         verdicts,
     })
 }
 
-/// How the tolerance would have to change, in the words of the ledger's own factor.
-fn account(factors: &[f64]) -> String {
-    let smallest = factors.iter().copied().fold(f64::INFINITY, f64::min);
-    let largest = factors.iter().copied().fold(0.0, f64::max);
-    if factors.is_empty() || !largest.is_finite() {
+/// From which tolerance on the combinations agree, in units of the stated one; nothing where no tolerance takes part.
+fn account(factors: &[Option<f64>]) -> String {
+    let found: Vec<f64> = factors.iter().copied().flatten().collect();
+    let never = factors.len() - found.len();
+    let smallest = found.iter().copied().fold(f64::INFINITY, f64::min);
+    let largest = found.iter().copied().fold(0.0, f64::max);
+    if factors.is_empty() {
         return String::new();
     }
-    let all = significant(largest);
-    if smallest > 0.0 {
-        let first = significant(smallest);
-        format!(
-            "One combination agrees from {first} times the stated tolerance on, all of them from {all} times on."
-        )
-    } else {
-        format!(
-            "Some combination agrees with any tolerance, all of them from {all} times the stated one on."
-        )
+    if found.is_empty() {
+        return "No combination agrees, whatever the tolerance.".to_owned();
     }
+    let times = |factor: f64| match factor {
+        0.0 => "without any tolerance".to_owned(),
+        _ => format!("from {} times the stated tolerance on", significant(factor)),
+    };
+    let whole = match never {
+        0 => "all of them".to_owned(),
+        1 => "all but one, which agrees with none,".to_owned(),
+        more => format!("all but {more}, which agree with none,"),
+    };
+    if smallest == largest && never == 0 {
+        return format!("Every combination agrees {}.", times(smallest));
+    }
+    format!(
+        "The first combination agrees {}, {whole} {}.",
+        times(smallest),
+        times(largest)
+    )
 }
 
 #[cfg(test)]
@@ -225,6 +238,11 @@ mod tests {
                 .contains(&format!("from {} times", significant(2.0))),
             "{}",
             found.account.0
+        );
+        assert_eq!(account(&[]), "");
+        assert_eq!(
+            account(&[Some(0.0), Some(3.5), None]),
+            "The first combination agrees without any tolerance, all but one, which agrees with none, from 3.500 times the stated tolerance on."
         );
     }
 }

@@ -6,6 +6,7 @@ use report::{Multiverse, Run, Value};
 use serde_json::json;
 
 use crate::claims::Claim;
+use crate::costs::Costs;
 use crate::engine::Finished;
 use crate::judge::Check;
 use crate::judgements::{Facts, Judged, judge};
@@ -105,23 +106,22 @@ impl Results {
         json
     }
 
-    /// Seconds by stage and by claim: a claim costs what the stages cost that it needs.
+    /// Seconds to compute each stage and each claim: a claim costs what the stages cost that it needs.
     #[must_use]
-    pub fn seconds(&self, stages_of: impl Fn(&Claim) -> Vec<String>) -> BTreeMap<String, f64> {
-        let of_stage: BTreeMap<&str, f64> = self
+    pub fn seconds(
+        &self,
+        costs: &Costs,
+        stages_of: impl Fn(&Claim) -> Vec<String>,
+    ) -> BTreeMap<String, f64> {
+        let mut seconds: BTreeMap<String, f64> = self
             .stages
             .iter()
-            .map(|stage| (stage.id, stage.seconds))
-            .collect();
-        let mut seconds: BTreeMap<String, f64> = of_stage
-            .iter()
-            .map(|(id, seconds)| ((*id).to_owned(), round(*seconds)))
+            .map(|stage| (stage.id.to_owned(), round(costs.of([stage.id]))))
             .collect();
         for (claim, _) in &self.claims {
-            let cost = stages_of(claim)
-                .iter()
-                .filter_map(|stage| of_stage.get(stage.as_str()))
-                .sum();
+            let stages = stages_of(claim);
+            let ran = |id: &&str| self.stages.iter().any(|stage| stage.id == *id);
+            let cost = costs.of(stages.iter().map(String::as_str).filter(ran));
             seconds.insert(claim.id.clone(), round(cost));
         }
         seconds
@@ -181,6 +181,16 @@ pub fn interval(interval: Interval, unit: &str) -> String {
     } else {
         format!("[{lower}, {upper}]{unit}")
     }
+}
+
+/// A number that somebody chose: as `significant`, without zeros at the end.
+#[must_use]
+pub fn stated(value: f64) -> String {
+    let text = significant(value);
+    if text.contains('.') && !text.contains('e') {
+        return text.trim_end_matches('0').trim_end_matches('.').to_owned();
+    }
+    text
 }
 
 /// A number to four significant digits.

@@ -90,6 +90,33 @@ fn a_claim_prints_verdict_evidence_and_cost() {
 }
 
 #[test]
+fn a_budget_runs_what_it_pays_for_and_names_the_rest() {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let answer = run(&["claim", "--budget", "15s", "--out", out]);
+    assert_eq!(answer.code, 0, "{answer:?}");
+    let line = |name: &str| {
+        let found = answer.stdout.lines().find(|line| line.starts_with(name));
+        found.unwrap_or_else(|| panic!("no {name} in {}", answer.stdout))
+    };
+    assert!(line("plan").contains(" of 22 claims"), "{}", line("plan"));
+    for cheap in ["C07", "C12", "C16"] {
+        assert!(line("order").contains(cheap), "{}", line("order"));
+    }
+    for dear in ["C01 (", "C11 ("] {
+        assert!(line("left out").contains(dear), "{}", line("left out"));
+    }
+    assert!(line("C16").contains("contradicted"), "{}", line("C16"));
+    assert!(!answer.stdout.contains("\nC11"), "{}", answer.stdout);
+    for arguments in [
+        &["claim", "C16", "--budget", "1h"][..],
+        &["claim", "--budget", "soon"],
+    ] {
+        assert_eq!(run(arguments).code, 2, "{arguments:?}");
+    }
+}
+
+#[test]
 fn from_plain_files_to_parameters() {
     let folder = TempDir::new().unwrap();
     package(&folder.path().join("by-hand"));

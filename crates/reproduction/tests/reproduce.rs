@@ -53,6 +53,29 @@ fn verdicts_and_values_are_as_pinned() {
         .filter(|claim| claim["verdict"] == "not run")
         .count();
     assert_eq!(not_run, 0, "every claim was run");
+    checklist(&fs::read_to_string(out.join("report.html")).unwrap());
+}
+
+/// The reviewer's checklist says what this run knows, and leaves to the reviewer what it does not.
+fn checklist(page: &str) {
+    let answer = |question: &str| -> String {
+        let (_, rest) = page.split_once(question).expect(question);
+        let (_, rest) = rest.split_once("</span> ").unwrap();
+        let (_, rest) = rest.split_once("</span> ").unwrap();
+        rest.split_once("</span>").unwrap().0.to_owned()
+    };
+    assert_eq!(answer("Does it run to its end?"), "yes");
+    assert_eq!(answer("Can the check fail?"), "yes");
+    assert_eq!(
+        answer("Is everything there that the results were made from?"),
+        "partly"
+    );
+    assert_eq!(answer("Do the results agree with the paper?"), "partly");
+    assert_eq!(answer("Do two runs give the same bytes?"), "yours to say");
+    assert_eq!(
+        answer("Did somebody else run it, and do the outputs match?"),
+        "yours to say"
+    );
 }
 
 #[test]
@@ -200,6 +223,39 @@ fn against_a_report_with_one_altered_value_names_it_and_what_it_flips() {
         assert!(said.contains(": 1 values changed"), "{said}");
         assert!(said.contains(&format!("  {id}: {number} -> ")), "{said}");
         assert!(said.contains(flips), "{said}");
+    }
+    // A report of another target with a difference within the tolerance of its quantity.
+    let results = fs::read_to_string(out.join("results.json")).unwrap();
+    let results: serde_json::Value = serde_json::from_str(&results).unwrap();
+    let values = results["values"].as_array().unwrap();
+    let gain = values
+        .iter()
+        .find(|value| value["id"] == "gait.gain")
+        .unwrap();
+    let moved = gain["value"].as_f64().unwrap() * (1.0 + 1e-6);
+    let target = format!("\"target\":{}", results["run"]["target"]);
+    let page = altered(out, "gait.gain", moved);
+    assert!(page.contains(&target), "the page says where it was made");
+    let old = folder.path().join("old.html");
+    for (page, class) in [
+        (
+            page.replacen(&target, "\"target\":\"riscv64\"", 1),
+            ", platform",
+        ),
+        (page, ", algorithm"),
+    ] {
+        fs::write(&old, page).unwrap();
+        let (copy, old) = (copy.to_str().unwrap(), old.to_str().unwrap());
+        let answer = run(&["reproduce", "--out", copy, "--against", old]);
+        let said = answer
+            .stdout
+            .lines()
+            .find(|line| line.contains("gait.gain"));
+        assert!(
+            said.is_some_and(|line| line.ends_with(class)),
+            "{}",
+            answer.stdout
+        );
     }
 }
 

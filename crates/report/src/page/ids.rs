@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crate::{Block, Document, Error};
 
 /// Ids that the templates themselves use.
-const OF_THE_PAGE: [&str; 27] = [
+const OF_THE_PAGE: [&str; 29] = [
     "top",
     "content",
     "run",
@@ -33,6 +33,8 @@ const OF_THE_PAGE: [&str; 27] = [
     "theme",
     "keys",
     "help",
+    "costs",
+    "checklist",
 ];
 
 /// Whether an id is that of a claim: `C` and digits.
@@ -50,7 +52,8 @@ pub(super) fn collect(document: &Document) -> Result<BTreeSet<String>, Error> {
         .deviations
         .iter()
         .map(|item| format!("deviation-{}", item.claim));
-    for id in claims.chain(audit).chain(deviations) {
+    let questions = document.checklist.iter().map(|item| item.id.clone());
+    for id in claims.chain(audit).chain(deviations).chain(questions) {
         add(id, &mut ids)?;
     }
     for section in &document.sections {

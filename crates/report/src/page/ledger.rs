@@ -173,10 +173,15 @@ fn multiverse(multiverse: &Multiverse, lookup: &Lookup<'_>, place: &str) -> Resu
             (count > 0).then(|| format!("{count} {}", verdict.word()))
         })
         .collect();
-    let marks: Vec<Value> = multiverse
+    // Marks that differ in the last choice alone stand together.
+    let group = match multiverse.axes.as_slice() {
+        [_, .., (_, last)] => last.len().max(1),
+        _ => multiverse.verdicts.len().max(1),
+    };
+    let marks: Vec<Vec<Value>> = multiverse
         .verdicts
-        .iter()
-        .map(|v| verdict_view(*v))
+        .chunks(group)
+        .map(|group| group.iter().map(|v| verdict_view(*v)).collect())
         .collect();
     let axes: Vec<(String, Vec<String>)> = multiverse.axes.clone();
     Ok(context! {
@@ -224,6 +229,7 @@ fn drift_view(drift: &Drift, lookup: &Lookup<'_>) -> Value {
         rows,
         verdicts => minijinja::value::Serde(&drift.verdicts),
         by_values => minijinja::value::Serde(&drift.by_values),
+        platforms => minijinja::value::Serde(&drift.platforms),
         nothing => drift.nothing(),
     }
 }

@@ -53,6 +53,7 @@ pub fn render(document: &Document) -> Result<String, Error> {
         inputs => Serde(&document.header.inputs),
         run => Serde(&document.run),
         run_total => run_total(&document.run.seconds),
+        costs => Serde(costs(document)),
         run_json => safe(json_in_script(&serde_json::to_string(&document.run)?)),
         results => safe(json_in_script(&results)),
         script => safe(SCRIPT.to_string()),
@@ -90,6 +91,22 @@ fn run_total(seconds: &BTreeMap<String, f64>) -> String {
     } else {
         String::new()
     }
+}
+
+/// Claims of the ledger with the time that computing them takes.
+fn costs(document: &Document) -> Vec<(&str, String)> {
+    let claims = document.claims.iter().map(|claim| claim.id.as_str());
+    claims
+        .filter_map(|id| {
+            let seconds = *document.run.seconds.get(id)?;
+            let text = if seconds < 0.1 {
+                "less than 0.1".to_owned()
+            } else {
+                number::significant(seconds, 2)
+            };
+            Some((id, number::with_unit(&text, "s")))
+        })
+        .collect()
 }
 
 /// The values as the page lists them.

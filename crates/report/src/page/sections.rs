@@ -32,6 +32,17 @@ pub(super) fn context(document: &Document, cards: &Cards<'_>) -> Result<Value, E
             limits.push(context! { id, title, items => lines(items, title)? });
         }
     }
+    let checklist = each(&document.checklist, |item| {
+        Ok(context! {
+            id => &item.id,
+            source => &item.source,
+            question => &item.question,
+            answer => item.answer.word(),
+            symbol => item.answer.symbol(),
+            class => item.answer.class(),
+            evidence => safe(lookup.inline(&item.evidence, &item.id)?),
+        })
+    })?;
     let choices = each(&document.choices, |choice| {
         Ok(context! {
             subject => safe(lookup.inline(&choice.subject, "choices")?),
@@ -53,6 +64,7 @@ pub(super) fn context(document: &Document, cards: &Cards<'_>) -> Result<Value, E
         sections,
         doubts => lines(&document.doubts, "doubts")?,
         limits,
+        checklist,
         choices,
         glossary,
     })
@@ -83,6 +95,11 @@ fn contents(document: &Document, limits: bool) -> Vec<Value> {
         limits,
         "limits",
         "What is synthetic, unpublished or left out",
+    );
+    add(
+        !document.checklist.is_empty(),
+        "checklist",
+        "Reviewer’s checklist",
     );
     add(
         !document.choices.is_empty(),

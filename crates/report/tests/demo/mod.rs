@@ -7,10 +7,10 @@ use report::figure::{
     Provenance, Region, Rule, Series, Shape, bristle,
 };
 use report::{
-    AuditItem, AuditOutcome, Block, CauseClass, Cell, Chain, Choice, ClaimRow, Column, Deviation,
-    Document, Drift, DriftClass, DriftRow, Equation, Evidence, Header, Input, Multiverse,
-    NegativeControl, NoticeKind, Prose, Run, Section, Station, Status, Subject, Suspect,
-    SuspectState, Symbol, Table, Value, Verdict, literal,
+    Answer, AuditItem, AuditOutcome, Block, CauseClass, Cell, Chain, CheckItem, Choice, ClaimRow,
+    Column, Deviation, Document, Drift, DriftClass, DriftRow, Equation, Evidence, Header, Input,
+    Multiverse, NegativeControl, NoticeKind, Prose, Run, Section, Station, Status, Subject,
+    Suspect, SuspectState, Symbol, Table, Value, Verdict, literal,
 };
 
 /// What metadata could hold.
@@ -599,6 +599,7 @@ pub fn document() -> Document {
             }],
             verdicts: vec![("C12".into(), "reproduced".into(), "differs".into())],
             by_values: vec![("C09".into(), "differs".into(), "consistent".into())],
+            platforms: Some(["aarch64, rustc 1".into(), HOSTILE.into()]),
         }),
         doubts: vec!["The load may not be the weight.".into()],
         controls: vec![
@@ -618,6 +619,13 @@ pub fn document() -> Document {
         synthetic: vec!["All campaigns.".into()],
         unpublished: vec!["Raw data.".into()],
         out_of_scope: vec!["Rubber (C14): no numbers.".into()],
+        checklist: vec![CheckItem {
+            id: "R01".into(),
+            source: "ACM".into(),
+            question: HOSTILE.into(),
+            answer: Answer::Partly,
+            evidence: "See the [ledger](#ledger).".into(),
+        }],
         choices: vec![Choice {
             subject: "Stribeck exponent".into(),
             taken: "2".into(),

@@ -3,9 +3,11 @@
 //! ```text
 //! w         = (v/h) cos^2(theta + theta0)                              E4
 //! theta'    = w - sigma |w| theta / g(w)                               E3
-//! g(w)      = theta_c + (theta_s - theta_c) exp(-(w/omega_sc)^2)       E5
+//! g(w)      = theta_c + (theta_s - theta_c) exp(-abs(w/omega_sc)^n)    E5, n = 2
 //! mu        = (sigma0 theta + sigma1 theta' + sigma2 w) cos^2          E7
 //! ```
+
+use friction::{CosinePlacement, Exponent, Law, LawError, LawKind};
 
 use crate::published::LawNumbers;
 
@@ -25,6 +27,8 @@ pub(super) struct Bristle {
     /// Lean theta0, rad.
     pub(super) lean: f64,
     pub(super) placement: Placement,
+    /// Exponent n of E5, which the text that we have does not show.
+    pub(super) exponent: Exponent<f64>,
 }
 
 /// Terms of E7 at one instant.
@@ -42,7 +46,13 @@ impl Bristle {
     }
 
     fn level(&self, w: f64) -> f64 {
-        self.p.theta_c + (self.p.theta_s - self.p.theta_c) * (-(w / self.p.omega_sc).powi(2)).exp()
+        let ratio = w / self.p.omega_sc;
+        let power = match self.exponent {
+            Exponent::Two => ratio.powi(2),
+            Exponent::Half => ratio.abs().sqrt(),
+            Exponent::General(n) => ratio.abs().powf(n),
+        };
+        self.p.theta_c + (self.p.theta_s - self.p.theta_c) * (-power).exp()
     }
 
     fn rate(&self, theta: f64, v: f64) -> f64 {
@@ -92,6 +102,26 @@ impl Bristle {
             .map(|cell| self.steady(speed(cell)).mu.abs())
             .sum::<f64>()
             / CELLS as f64
+    }
+
+    /// The same law as crate `friction` has it.
+    pub(super) fn law(&self) -> Result<Law<f64>, LawError> {
+        let p = &self.p;
+        let numbers = [
+            p.theta_c / p.sigma,
+            p.theta_s / p.sigma,
+            p.sigma0,
+            p.sigma1,
+            p.sigma2,
+            p.omega_sc,
+            self.lean,
+        ];
+        let placement = match self.placement {
+            Placement::AllTerms => CosinePlacement::AllTerms,
+            Placement::StiffnessOnly => CosinePlacement::StiffnessOnly,
+        };
+        let law = LawKind::AsymmetricBristle.build(&numbers, Some(self.height_m))?;
+        Ok(law.with_placement(placement).with_exponent(self.exponent))
     }
 
     /// A ramp from rest: v = a t over `duration`, classical Runge-Kutta of order four on `steps` steps.

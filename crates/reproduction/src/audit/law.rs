@@ -1,6 +1,7 @@
 //! The law at the printed parameters: the lean that the steady coefficients bracket, the size of each term, static
 //! against dynamic friction, the scale ray, extrapolation.
 
+use friction::Exponent;
 use report::figure::{Figure, Provenance};
 use report::{AuditOutcome, Block, Cell, Column, Evidence, Section, Table};
 
@@ -29,6 +30,65 @@ pub(super) struct LeanTable {
     pub(super) joint: f64,
 }
 
+/// What the steady coefficients ask of the lean of a law under one reading of "steady".
+#[derive(Clone, Copy)]
+pub(super) struct Leans {
+    base: Bristle,
+    /// Speeds over which steady friction is averaged, m/s; one speed where both are equal.
+    window_m_s: [f64; 2],
+    /// Printed coefficients, forward and reverse.
+    mu: [f64; 2],
+}
+
+impl Leans {
+    pub(super) fn of(base: Bristle, window_m_s: [f64; 2], mu: [f64; 2]) -> Self {
+        Self {
+            base,
+            window_m_s,
+            mu,
+        }
+    }
+
+    /// Steady friction less the printed one, forward and reverse.
+    pub(super) fn residuals(&self, lean: f64) -> [f64; 2] {
+        let law = Bristle { lean, ..self.base };
+        let [from, top] = self.window_m_s;
+        let steady = |sign: f64| {
+            if from < top {
+                law.mean_steady(sign * from, sign * top)
+            } else {
+                law.steady(sign * top).mu.abs()
+            }
+        };
+        [steady(1.0) - self.mu[0], steady(-1.0) - self.mu[1]]
+    }
+
+    /// From the forward coefficient alone; NaN where no lean gives it.
+    pub(super) fn forward(&self) -> f64 {
+        root(|lean| self.residuals(lean)[0])
+    }
+
+    /// From the reverse coefficient alone; NaN where no lean gives it.
+    pub(super) fn reverse(&self) -> f64 {
+        root(|lean| self.residuals(lean)[1])
+    }
+
+    /// From both by least squares.
+    pub(super) fn joint(&self) -> f64 {
+        least(|lean| self.residuals(lean).iter().map(|r| r * r).sum())
+    }
+
+    /// From both by the least largest residual.
+    pub(super) fn fairest(&self) -> f64 {
+        least(|lean| largest(self.residuals(lean)))
+    }
+}
+
+/// The larger of two residuals without its sign.
+pub(super) fn largest(residuals: [f64; 2]) -> f64 {
+    residuals.into_iter().fold(0.0, |most, r| most.max(r.abs()))
+}
+
 /// The lean from the steady coefficients: forward alone, reverse alone, both by least squares; two placements of the
 /// cosine, two windows.
 pub(super) fn lean(book: &mut Book<'_>) -> Result<LeanTable, PublishedError> {
@@ -39,17 +99,7 @@ pub(super) fn lean(book: &mut Book<'_>) -> Result<LeanTable, PublishedError> {
     for placement in [Placement::AllTerms, Placement::StiffnessOnly] {
         for (window, from) in [("mean from 10 to 60 mm/s", 0.01), ("at 60 mm/s", top)] {
             let base = bristle(book, "table1", 0.0, placement)?;
-            let steady = |lean: f64, sign: f64| {
-                let law = Bristle { lean, ..base };
-                if from < top {
-                    law.mean_steady(sign * from, sign * top)
-                } else {
-                    law.steady(sign * top).mu.abs()
-                }
-            };
-            let joint = least(|lean| {
-                (steady(lean, 1.0) - forward_mu).powi(2) + (steady(lean, -1.0) - reverse_mu).powi(2)
-            });
+            let leans = Leans::of(base, [from, top], [forward_mu, reverse_mu]);
             let place = if placement == Placement::AllTerms {
                 "all_terms"
             } else {
@@ -60,13 +110,10 @@ pub(super) fn lean(book: &mut Book<'_>) -> Result<LeanTable, PublishedError> {
                 placement,
                 window,
                 id: format!("lean.{place}.{span}"),
-                forward: root(|lean| steady(lean, 1.0) - forward_mu),
-                reverse: root(|lean| steady(lean, -1.0) - reverse_mu),
-                joint,
-                residuals: [
-                    steady(joint, 1.0) - forward_mu,
-                    steady(joint, -1.0) - reverse_mu,
-                ],
+                forward: leans.forward(),
+                reverse: leans.reverse(),
+                joint: leans.joint(),
+                residuals: leans.residuals(leans.joint()),
             });
         }
     }
@@ -190,14 +237,19 @@ fn terms(book: &mut Book<'_>, lean: f64) -> Result<(), PublishedError> {
     Ok(())
 }
 
+/// The stiffness term at theta_s/sigma (slow) over that at theta_c/sigma (fast) less one, percent.
+pub(super) fn static_excess(p: &LawNumbers, lean: f64) -> f64 {
+    let mu = |theta: f64| p.sigma0 * theta * (theta + lean).cos().powi(2);
+    let (slow, fast) = (p.theta_s / p.sigma, p.theta_c / p.sigma);
+    100.0 * (mu(slow) / mu(fast) - 1.0)
+}
+
 /// mu at theta_s/sigma (slow) against mu at theta_c/sigma (fast, without the viscous term), either direction.
 fn static_and_dynamic(book: &mut Book<'_>, lean: f64) -> Result<(), PublishedError> {
     let p = book.published.law("table1")?;
-    let mu = |theta: f64, lean: f64| p.sigma0 * theta * (theta + lean).cos().powi(2);
-    let (slow, fast) = (p.theta_s / p.sigma, p.theta_c / p.sigma);
     let mut excess = Vec::new();
     for (name, lean) in [("forward", lean), ("reverse", -lean)] {
-        let value = 100.0 * (mu(slow, lean) / mu(fast, lean) - 1.0);
+        let value = static_excess(&p, lean);
         excess.push((
             value,
             book.computed(&format!("static_excess.{name}"), value, "percent"),
@@ -217,10 +269,8 @@ fn static_and_dynamic(book: &mut Book<'_>, lean: f64) -> Result<(), PublishedErr
     Ok(())
 }
 
-/// sigma, theta_c, theta_s times one factor: mu of a ramp does not change.
-fn scale_ray(book: &mut Book<'_>, lean: f64) -> Result<(), PublishedError> {
-    let law = bristle(book, "table1", lean, Placement::AllTerms)?;
-    let (acceleration, duration) = protocol(book)?;
+/// Largest change of mu over a ramp where sigma, theta_c and theta_s are multiplied by one factor.
+pub(super) fn largest_change(law: Bristle, acceleration: f64, duration: f64) -> f64 {
     let reference = law.ramp(acceleration, duration, RAMP_STEPS);
     let mut largest = 0.0_f64;
     for factor in [0.5, 3.0] {
@@ -235,8 +285,21 @@ fn scale_ray(book: &mut Book<'_>, lean: f64) -> Result<(), PublishedError> {
             largest = largest.max((one.mu - other.mu).abs());
         }
     }
+    largest
+}
+
+/// How many of the seven a ramp determines, by that change.
+pub(super) fn parameters_found(largest_change: f64) -> f64 {
     // Rounding of the ramp's 4 x RAMP_STEPS evaluations is far below 1e-9; a parameter that matters moves mu by percents.
-    let free = if largest < 1e-9 { 6.0 } else { 7.0 };
+    if largest_change < 1e-9 { 6.0 } else { 7.0 }
+}
+
+/// sigma, theta_c, theta_s times one factor: mu of a ramp does not change.
+fn scale_ray(book: &mut Book<'_>, lean: f64) -> Result<(), PublishedError> {
+    let law = bristle(book, "table1", lean, Placement::AllTerms)?;
+    let (acceleration, duration) = protocol(book)?;
+    let largest = largest_change(law, acceleration, duration);
+    let free = parameters_found(largest);
     let largest = book.computed("scale_ray.largest_change", largest, "1");
     let free_shown = book.computed("scale_ray.parameters", free, "parameters");
     book.add(Sum {
@@ -278,7 +341,7 @@ fn extrapolation(book: &mut Book<'_>, lean: f64) -> Result<(), PublishedError> {
 /// Steps of a ramp: the coefficient changes by less than 1e-9 when they are halved.
 const RAMP_STEPS: usize = 20_000;
 
-fn bristle(
+pub(super) fn bristle(
     book: &Book<'_>,
     row: &str,
     lean: f64,
@@ -289,11 +352,12 @@ fn bristle(
         height_m: book.value("brush.contact_height")? / 1000.0,
         lean,
         placement,
+        exponent: Exponent::Two,
     })
 }
 
 /// Acceleration, m/s^2, and duration, s, of the published ramp.
-fn protocol(book: &Book<'_>) -> Result<(f64, f64), PublishedError> {
+pub(super) fn protocol(book: &Book<'_>) -> Result<(f64, f64), PublishedError> {
     let speed = book.value("protocol.end_speed")? / 1000.0;
     let travel = book.value("protocol.travel")? / 1000.0;
     Ok((speed * speed / (2.0 * travel), 2.0 * travel / speed))

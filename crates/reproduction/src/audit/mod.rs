@@ -10,9 +10,11 @@ mod printed;
 mod robot;
 mod shown;
 mod stiffness;
+mod worlds;
 
 use report::{AuditItem, AuditOutcome, Evidence, Section, Value, typeset_prose};
 
+use crate::multiverse::Worlds;
 use crate::published::{Interval, Published, PublishedError};
 
 /// Standard gravity, m/s^2 (3rd CGPM, 1901; exact by definition).
@@ -46,6 +48,14 @@ pub(crate) fn examine(published: &Published) -> Result<Audit, PublishedError> {
         items: book.items,
         sections: vec![law::section(&lean, drawn), shown::robot()],
     })
+}
+
+/// Claims that the audit decides, with what every combination of choices gives for them.
+///
+/// # Errors
+/// Where a published number is missing.
+pub(crate) fn worlds(published: &Published) -> Result<Vec<(&'static str, Worlds)>, PublishedError> {
+    worlds::all(&Book::new(published))
 }
 
 /// Collects sums and their numbers.

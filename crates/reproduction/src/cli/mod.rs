@@ -71,7 +71,7 @@ struct Cli {
 enum Command {
     /// Runs all stages, the audit and the diagnosis; writes the report, the results, tables and figures.
     Reproduce(ReproduceArguments),
-    /// Runs only what one claim needs; prints its verdict, evidence and cost.
+    /// Runs only what one claim needs; prints its verdict, evidence and cost. With --budget, the claims that say most.
     Claim(ClaimArguments),
     /// Identifies the parameters of a law from a campaign.
     Identify(IdentifyArguments),
@@ -115,7 +115,11 @@ struct ReproduceArguments {
 #[derive(Debug, Args)]
 struct ClaimArguments {
     /// The claim, C01 to C22.
-    id: String,
+    #[arg(required_unless_present = "budget", conflicts_with = "budget")]
+    id: Option<String>,
+    /// Plans and runs the claims that say most within this time: 90s, 10min, 1h.
+    #[arg(long, value_name = "TIME")]
+    budget: Option<String>,
     /// Folder that keeps the outputs of stages.
     #[arg(long, value_name = "DIR", default_value = "target/reproduction")]
     out: PathBuf,

@@ -10,6 +10,7 @@ use crate::cache::{Cache, program_identity};
 use crate::campaigns::Campaigns;
 use crate::claims::{self, Claim};
 use crate::compose::{self, Surroundings};
+use crate::costs::Costs;
 use crate::engine::{Engine, closure};
 use crate::names::nearest;
 use crate::numbers::{self, Coverage};
@@ -71,6 +72,10 @@ impl Inputs {
             watch: &watch,
         };
         let finished = engine.run(stages);
+        // A run whose times cannot be kept is a run all the same.
+        if let Err(problem) = Costs::record(out, &finished) {
+            eprintln!("the times of the stages cannot be kept: {problem}");
+        }
         Results::new(finished, &self.claims, &self.published).map_err(Failure::input)
     }
 
@@ -122,7 +127,8 @@ pub(super) fn run(arguments: &ReproduceArguments) -> Result<Outcome, Failure> {
     let mut run = provenance::run(&inputs.root);
     let results = inputs.run(&stages, &out, model.as_ref(), arguments.quick)?;
     run.finished = provenance::now();
-    run.seconds = results.seconds(|claim| needed(&all, claim));
+    let costs = Costs::read(&inputs.root, &out).map_err(Failure::input)?;
+    run.seconds = results.seconds(&costs, |claim| needed(&all, claim));
     let rules = against::Rules {
         claims: &inputs.claims,
         published: &inputs.published,
@@ -131,7 +137,10 @@ pub(super) fn run(arguments: &ReproduceArguments) -> Result<Outcome, Failure> {
         .against
         .as_deref()
         .zip(old.as_ref())
-        .map(|(path, old)| against::compare(path, old, &results.json(), &rules))
+        .map(|(path, old)| {
+            let platform = against::Platform::of(&run);
+            against::compare(path, old, &results.json(), &platform, &rules)
+        })
         .transpose()
         .map_err(Failure::input)?;
     let drift_words = drift.as_ref().map(against::words);

@@ -5,9 +5,10 @@ use std::collections::BTreeSet;
 use report::{ClaimRow, Comparison, Deviation, Prose, Verdict, typeset, typeset_prose};
 
 use crate::claims::Claim;
-use crate::judge::{Check, flips_at};
+use crate::flips;
+use crate::judge::Check;
 use crate::judgements::Judged;
-use crate::results::{interval, ours, significant};
+use crate::results::{interval, ours, significant, stated};
 
 /// One row of the ledger.
 pub(super) fn row(
@@ -31,10 +32,7 @@ pub(super) fn row(
         .map(|text| typeset(&text).into());
     row.tolerance = typeset(&claim.tolerance_text).into();
     row.reason = typeset(&claim.reason).into();
-    row.flips_at = (judged.verdict != Verdict::NotTestable)
-        .then(|| flips(&judged.checks))
-        .flatten()
-        .map(Into::into);
+    row.flips_at = flips::words(claim, &judged.checks).map(Into::into);
     row.account = told(&claim.account, known);
     if let Some(reason) = &claim.no_choices {
         let reason = told(reason, known);
@@ -96,16 +94,34 @@ fn comparisons(checks: &[Check]) -> Vec<Comparison> {
                 |ours| interval(ours, &printed(check)),
             ))
             .into(),
-            tolerance: typeset(&significant(check.tolerance)).into(),
-            deviation: check
-                .gap()
-                .filter(|gap| *gap > 0.0)
-                .map(significant)
-                .unwrap_or_default()
-                .into(),
+            tolerance: typeset(&tolerance(check)).into(),
+            deviation: typeset(&outside(check).unwrap_or_default()).into(),
             agrees: check.agrees(),
         })
         .collect()
+}
+
+/// The tolerance with its unit; a check that has none says so.
+fn tolerance(check: &Check) -> String {
+    if check.tolerance == 0.0 {
+        return "none".to_owned();
+    }
+    report::printed_with_unit(&stated(check.tolerance), &check.unit)
+}
+
+/// How far ours lies outside. What is held against no number lies outside of nothing: there the tolerance is the measure.
+fn outside(check: &Check) -> Option<String> {
+    let gap = check.gap().filter(|gap| *gap > 0.0)?;
+    if in_words(check) {
+        let times = significant(gap / check.tolerance);
+        return (check.agrees() == Some(false)).then(|| format!("{times} times the tolerance"));
+    }
+    Some(report::printed_with_unit(&significant(gap), &check.unit))
+}
+
+/// A statement in words, such as "agree" or "very small", is compared with zero: the paper does not print the zero.
+fn in_words(check: &Check) -> bool {
+    check.allowed.lower == 0.0 && check.allowed.upper == 0.0 && check.tolerance > 0.0
 }
 
 /// The unit as it is printed, in the words of `interval`.
@@ -126,8 +142,7 @@ fn allowed(check: &Check) -> String {
         };
         interval(point, &printed(check))
     };
-    // A statement in words, such as "agree" or "very small", is compared with zero: the paper does not print the zero.
-    if lower == 0.0 && upper == 0.0 && check.tolerance > 0.0 {
+    if in_words(check) {
         return "no number, in words only".to_owned();
     }
     match (lower.is_finite(), upper.is_finite()) {
@@ -144,49 +159,13 @@ fn allowed(check: &Check) -> String {
 fn deviation(checks: &[Check]) -> Option<String> {
     let outside: Vec<String> = checks
         .iter()
-        .filter(|check| check.gap().is_some_and(|gap| gap > 0.0))
-        .map(|check| {
-            let unit = if check.unit == "1" {
-                String::new()
-            } else {
-                format!(" {}", check.unit)
-            };
-            let gap = significant(check.gap().unwrap_or_default());
-            format!("{}: {gap}{unit} outside", check.label)
+        .filter_map(|check| {
+            let outside = outside(check)?;
+            let word = if in_words(check) { "" } else { " outside" };
+            Some(format!("{}: {outside}{word}", check.label))
         })
         .collect();
     (!outside.is_empty()).then(|| outside.join("; "))
-}
-
-/// Where the verdict flips: checks without a tolerance (counts, orders) hold or fail whatever the others are given.
-fn flips(checks: &[Check]) -> Option<String> {
-    let (given, without): (Vec<Check>, Vec<Check>) = checks
-        .iter()
-        .cloned()
-        .partition(|check| check.tolerance > 0.0);
-    if checks.is_empty() || checks.iter().any(|check| check.gap().is_none()) {
-        return None;
-    }
-    if given.is_empty() {
-        return Some("at no tolerance: none takes part".to_owned());
-    }
-    if without.iter().any(|check| check.gap() > Some(0.0)) {
-        return Some("at no tolerance: a check that has none fails".to_owned());
-    }
-    flips_at(&given).map(flip_words)
-}
-
-fn flip_words(factor: f64) -> String {
-    if factor > 1.0 {
-        format!(
-            "would agree with {} times the tolerance",
-            significant(factor)
-        )
-    } else if factor > 0.0 {
-        format!("agrees down to {} of the tolerance", significant(factor))
-    } else {
-        "agrees with any tolerance".to_owned()
-    }
 }
 
 /// Every claim that is not reproduced and was run, with the class of its cause and what would settle it.

@@ -1,6 +1,7 @@
 //! The page: results and the sections of the stages brought together as a document.
 
 mod benchmarks;
+mod checklist;
 mod completeness;
 mod equations;
 mod identity;
@@ -77,7 +78,9 @@ pub fn document(results: &Results, around: Surroundings) -> Document {
     ));
     sections.push(identity::section(around.twice.as_ref()));
     let known: BTreeSet<&str> = results.values.keys().map(String::as_str).collect();
+    let checklist = checklist::items(results, &around);
     Document {
+        checklist,
         title: "Asymmetric bristle model for steel brush: what holds".into(),
         lead: lead(results, &around).into(),
         subject: Subject {

@@ -1,6 +1,6 @@
 //! The audit of the paper's own arithmetic, as a stage.
 
-use crate::audit::examine;
+use crate::audit::{examine, worlds};
 use crate::stage::{Needs, Stage, StageContext, StageError, StageOutput};
 
 /// The paper's own arithmetic.
@@ -28,6 +28,12 @@ impl Stage for Audit {
         output
             .work
             .insert("sums".to_owned(), audit.items.len() as u64);
+        for (claim, worlds) in worlds(context.published)? {
+            let artefact = worlds
+                .artefact(claim)
+                .map_err(|error| StageError::Failed(error.to_string()))?;
+            output.artefacts.extend([artefact]);
+        }
         output.values = audit.values;
         output.sections = audit.sections;
         Ok(output)

@@ -273,6 +273,18 @@ fn panel(
     .with_claims(&["C12", "C13"]))
 }
 
+/// A name of the program as words: `FixedTorso` as `fixed torso`.
+fn spaced(name: &str) -> String {
+    let mut words = String::new();
+    for letter in name.chars() {
+        if letter.is_uppercase() && !words.is_empty() {
+            words.push(' ');
+        }
+        words.extend(letter.to_lowercase());
+    }
+    words
+}
+
 /// The gains of every reading of the family, in its order.
 fn worlds(family: &[Reading]) -> Worlds {
     let options = |of: &dyn Fn(&Reading) -> String| {
@@ -288,11 +300,17 @@ fn worlds(family: &[Reading]) -> Worlds {
         axes: vec![
             (
                 "bodies".into(),
-                options(&|r| format!("{:?}", r.variant.body)),
+                options(&|r| spaced(&format!("{:?}", r.variant.body))),
             ),
-            ("hip".into(), options(&|r| format!("{:?}", r.variant.hip))),
+            (
+                "hip".into(),
+                options(&|r| spaced(&format!("{:?}", r.variant.hip))),
+            ),
             ("weight".into(), vec!["with".into(), "without".into()]),
-            ("links".into(), options(&|r| format!("{:?}", r.links))),
+            (
+                "links".into(),
+                options(&|r| spaced(&format!("{:?}", r.links))),
+            ),
         ],
         values: family.iter().map(world).collect(),
     }
@@ -423,4 +441,13 @@ fn family_figure(family: &[Reading], context: &StageContext<'_>) -> Result<Figur
         Provenance::here("envelope", "biped::envelope::family::readings"),
     )
     .with_claims(&["C12"]))
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn names_become_words() {
+        assert_eq!(super::spaced("CentresInTheMiddle"), "centres in the middle");
+        assert_eq!(super::spaced("centre"), "centre");
+    }
 }

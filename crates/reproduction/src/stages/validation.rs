@@ -4,8 +4,6 @@
 //! is set beside what the 3x3 repeats scatter among themselves. What the model itself asks for is tried as well: with
 //! sigma0 = k/(N h), and k by the number of brushes, another brush and load mean another sigma0 (C16).
 
-use std::collections::BTreeMap;
-
 use friction::LawKind;
 use identification::{Band, Question, Spread, identify, prediction_band, repeat_floor};
 use report::figure::{self, Axis, Figure, LinePlot, Provenance};
@@ -17,7 +15,7 @@ use super::friction_curves::{
 };
 use super::identification::spread::Kept;
 use super::identification::{choices, failed};
-use crate::multiverse::{Point, Worlds};
+use crate::multiverse::Worlds;
 use crate::stage::{Needs, Stage, StageContext, StageError, StageOutput};
 
 /// The stage.
@@ -63,25 +61,7 @@ fn worlds(
         .get("choices.aluminium")
         .ok_or_else(|| StageError::Failed("identification left no choices.aluminium".into()))?;
     let all: Vec<choices::Choice> = serde_json::from_value(kept.clone()).map_err(failed)?;
-    let values = all
-        .iter()
-        .map(|choice| {
-            let Some(force_n) = choice.predict(experiment)? else {
-                return Ok(BTreeMap::new());
-            };
-            Ok(DIRECTIONS
-                .iter()
-                .filter_map(|(direction, word, _)| {
-                    let error = relative_error(campaign, experiment, &force_n, *direction)?;
-                    Some((format!("{STEM}.nrmse_{word}"), Point::from(error)))
-                })
-                .collect())
-        })
-        .collect::<Result<Vec<_>, StageError>>()?;
-    Ok(Worlds {
-        axes: choices::axes(),
-        values,
-    })
+    choices::errors(STEM, &all, campaign, experiment)
 }
 
 impl Stage for Validation {

@@ -196,9 +196,12 @@ impl Stage for Identification {
                 );
             }
         }
+        let kept: Vec<choices::Choice> = choices.iter().map(|one| one.choice.clone()).collect();
+        let (campaign, experiment) = (&aluminium.campaign, &aluminium.experiment);
+        let errors = choices::errors("identification.aluminium", &kept, campaign, experiment)?;
         for (claim, worlds) in [
             ("C01", choices::parameters("aluminium", &choices)),
-            ("C02", choices::errors(aluminium, &choices)),
+            ("C02", errors),
             (
                 "C06",
                 choices::parameters("nylon", &nylon)
@@ -209,7 +212,6 @@ impl Stage for Identification {
                 .artefacts
                 .extend([worlds.artefact(claim).map_err(failed)?]);
         }
-        let kept: Vec<_> = choices.into_iter().map(|(choice, _)| choice).collect();
         output.artefacts.insert(
             "choices.aluminium".to_owned(),
             serde_json::to_value(kept).map_err(failed)?,
