@@ -71,7 +71,7 @@ pub fn walk(problem: &Problem, guess: &Guess) -> Result<Walk, ProgrammeError> {
             let start = Start::cold(guess.variables(problem));
             way.tread(1.0, problem.mesh, start, FIRST_STEPS)?
         }
-        Contact::Compliant(_) => way.from_guess(guess)?,
+        Contact::Compliant(_) => way.start_at(guess)?,
     };
     Ok(Walk {
         treads: way.treads,
@@ -85,7 +85,7 @@ struct Way {
 }
 
 impl Way {
-    fn from_guess(&mut self, guess: &Guess) -> Result<Option<Outcome>, ProgrammeError> {
+    fn start_at(&mut self, guess: &Guess) -> Result<Option<Outcome>, ProgrammeError> {
         let coarse = Mesh::default();
         let start = Start::cold(guess.variables(&self.at(0.0, coarse)));
         let Some(first) = self.tread(0.0, coarse, start, FIRST_STEPS)? else {
