@@ -6,6 +6,7 @@ use biped::contact::{Brush, Ground};
 use biped::gait::book::{Book, Looked};
 use biped::gait::catalogue::{CONTACT, Choice, Mount, Name, all};
 use biped::gait::chain::{Case, Outcome, solve_all};
+use biped::gait::cold;
 use biped::gait::layout::Layout;
 use biped::gait::programme::Stride;
 use biped::gait::refine::on_mesh;
@@ -73,6 +74,23 @@ const STIFF: Contact = Contact::Compliant(Ground {
     loss_s_m: 1.0,
     slip_scale_m_s: 0.1,
 });
+
+/// On the coarse mesh, which is quick; the sweep on the stride's own mesh is the example `cold_sweep`.
+#[test]
+fn a_stride_on_the_stiff_contact_is_walked_to_from_a_guess() {
+    let name = Name::compliant(CONTACT, Mount::Symmetric, 0.01, 20.0);
+    let problem = Problem {
+        mesh: Mesh::default(),
+        ..name.problem(&sample::biped(), sample::brush())
+    };
+    let walk = cold::walk(&problem, &Guess::default()).unwrap();
+    let stride = walk.stride.expect("the walk arrives");
+    assert!(stride.is_certified());
+    assert_eq!(stride.problem, problem);
+    let parts: Vec<f64> = walk.treads.iter().map(|tread| tread.part).collect();
+    assert_eq!(parts.first(), Some(&0.0));
+    assert_eq!(parts.last(), Some(&1.0));
+}
 
 #[test]
 fn a_compliant_stride_is_certified_and_obeys_the_physics() {

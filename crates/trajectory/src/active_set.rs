@@ -139,8 +139,8 @@ fn exchanges(
     reach: f64,
 ) -> Option<(NewtonStep, ActiveSet)> {
     for round in 0..ROUNDS {
-        let step = newton.step(s, hessian, at, &active, &limits)?;
-        if !step.positive_definite || max_abs(&step.d) > reach {
+        let step = newton.convex_step(s, hessian, at, &active, &limits)?;
+        if max_abs(&step.d) > reach {
             return None;
         }
         match exchange(s, at, &step, &mut active, &mut limits) {

@@ -6,13 +6,27 @@
 //! ```
 //!
 //! It always has a solution. The price γ starts at the merit function's
-//! penalty and grows tenfold while the step would leave the violation as it is;
-//! if even the largest price takes nothing off, the point is (to first order)
-//! a minimiser of the violation.
+//! penalty, but not below `PULL ‖g‖∞`: at a price below the pull of the cost the cheapest point is one that misses rows
+//! to please the cost, and a search that once stands there has to buy every row back along its curve. It grows tenfold while
+//! the step would leave nearly all of the violation; if even the largest price takes nothing off, the point is (to first order)
+//! a minimiser of the violation. No multiplier of its step exceeds γ.
 
 use crate::merit;
 use crate::model::Structure;
+use crate::pattern::max_abs;
 use crate::qp::{QpData, QpStep, Subproblem};
+
+/// Price of a missed row in units of the cost's steepest slope (scaled).
+const PULL: f64 = 10.0;
+/// Share of the violation that a price must take off, or a larger one is tried.
+const SHARE: f64 = 0.5;
+
+/// The price at which rows may be missed at a point with this gradient of the cost.
+pub(crate) fn price(penalty: f64, gradient: &[f64], max_penalty: f64) -> f64 {
+    penalty
+        .max(PULL * max_abs(gradient))
+        .clamp(1.0, max_penalty)
+}
 
 /// Outcome of the elastic phase.
 pub(crate) enum ElasticStep {
@@ -24,18 +38,17 @@ pub(crate) enum ElasticStep {
     Failed,
 }
 
-/// Solves elastic subproblems with rising price; counts them in `solved`.
+/// Solves elastic subproblems with rising price from `price` on; counts them in `solved`.
 pub(crate) fn solve(
     s: &Structure,
     subproblem: &mut Subproblem,
     data: &QpData<'_>,
-    penalty: f64,
+    mut price: f64,
     max_penalty: f64,
     interior_iterations: &mut usize,
     solved: &mut usize,
 ) -> ElasticStep {
     let before = merit::violation(s, data.rows);
-    let mut price = penalty.clamp(1.0, max_penalty);
     let mut best: Option<(QpStep, f64, f64)> = None;
     loop {
         subproblem.set_penalty(price);
@@ -47,7 +60,7 @@ pub(crate) fn solve(
                 if best.as_ref().is_none_or(|b| after < b.2) {
                     best = Some((step, price, after));
                 }
-                if after <= 0.5 * before {
+                if after <= (1.0 - SHARE) * before {
                     break;
                 }
             }

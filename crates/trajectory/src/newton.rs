@@ -57,8 +57,6 @@ pub(crate) struct NewtonStep {
     pub d: Vec<f64>,
     pub y: Vec<f64>,
     pub z: Vec<f64>,
-    /// The reduced Hessian is positive definite.
-    pub positive_definite: bool,
 }
 
 /// A refined solution with its residual relative to the right-hand side and its backward error.
@@ -268,8 +266,37 @@ impl NewtonSystem {
         max_abs(&sums)
     }
 
-    /// Newton's step from `(x, y)` on `active`.
+    /// Newton's step from `(x, y)` on `active`; `None` where the reduced Hessian is not positive definite, which the
+    /// factors tell before anything is solved.
+    pub(crate) fn convex_step(
+        &mut self,
+        s: &Structure,
+        hessian: &[f64],
+        at: &Iterate,
+        active: &ActiveSet,
+        limits: &Limits,
+    ) -> Option<NewtonStep> {
+        let positive = self.factorise(s, hessian, &at.jacobian, active)?;
+        if positive != s.variables() {
+            return None;
+        }
+        self.factorised_step(s, hessian, at, active, limits)
+    }
+
+    /// Newton's step from `(x, y)` on `active`, whatever the curvature.
     pub(crate) fn step(
+        &mut self,
+        s: &Structure,
+        hessian: &[f64],
+        at: &Iterate,
+        active: &ActiveSet,
+        limits: &Limits,
+    ) -> Option<NewtonStep> {
+        self.factorise(s, hessian, &at.jacobian, active)?;
+        self.factorised_step(s, hessian, at, active, limits)
+    }
+
+    fn factorised_step(
         &mut self,
         s: &Structure,
         hessian: &[f64],
@@ -286,7 +313,6 @@ impl NewtonSystem {
             ..
         } = at;
         let (n, m) = (s.variables(), s.rows());
-        let positive = self.factorise(s, hessian, jacobian, active)?;
         let held: Vec<f64> = (0..n)
             .map(|v| {
                 if active.bounds[v] {
@@ -331,12 +357,7 @@ impl NewtonSystem {
         for v in 0..n {
             z[v] = if active.bounds[v] { -z[v] } else { 0.0 };
         }
-        Some(NewtonStep {
-            d,
-            y,
-            z,
-            positive_definite: positive == n,
-        })
+        Some(NewtonStep { d, y, z })
     }
 }
 

@@ -20,6 +20,11 @@ use crate::solution::{Counters, StepKind};
 use crate::{HessianModel, Options, Status};
 use clarabel::solver::SolverStatus;
 
+/// A subproblem's step longer than this (scaled) comes from rows that nearly contradict.
+const OUTSIZED: f64 = 30.0;
+/// Elastic subproblems at one point, each with more damping than the last.
+const ATTEMPTS: usize = 4;
+
 /// A step with multipliers.
 #[derive(Clone, Debug)]
 pub(crate) struct Proposal {
@@ -188,7 +193,17 @@ impl<'e> Proposer<'e> {
                 return Ok(proposal);
             }
         }
+        if self.is_outsized(at, &step) {
+            return self.elastic_step(at, penalty, counters);
+        }
         Ok(self.convex_proposal(at, StepKind::Subproblem, step, 0.0))
+    }
+
+    /// Whether a step meets all missed rows only far outside of what its linearisation knows. Its multipliers, once
+    /// taken over, would make a Hessian of their own size, and that still larger ones.
+    fn is_outsized(&self, at: &Iterate, step: &QpStep) -> bool {
+        merit::worst_violation(self.s(), &at.rows) > self.options.feasibility
+            && max_abs(&step.d) > OUTSIZED
     }
 
     /// Solves the convex subproblem, with more damping while its step is out of reach.
@@ -268,7 +283,7 @@ impl<'e> Proposer<'e> {
         hessian
     }
 
-    /// The step of the elastic subproblem.
+    /// The step of the elastic subproblem, with more damping while Clarabel cannot resolve it or its step is out of reach.
     pub(crate) fn elastic_step(
         &mut self,
         at: &Iterate,
@@ -276,33 +291,42 @@ impl<'e> Proposer<'e> {
         counters: &mut Counters,
     ) -> Result<Proposal, Status> {
         self.refresh_convex(at, counters);
+        self.active = None;
+        for attempt in 1..=ATTEMPTS {
+            match self.elastic_once(at, penalty, counters) {
+                ElasticStep::Step(step, price) => {
+                    if max_abs(&step.d) <= OUTSIZED || attempt == ATTEMPTS {
+                        return Ok(self.convex_proposal(at, StepKind::Elastic, step, price));
+                    }
+                }
+                ElasticStep::NoRelief => return Err(Status::LocallyInfeasible),
+                // Data of this point must not be scaled by those of another.
+                ElasticStep::Failed => self.elastic = None,
+            }
+            self.damping.stiffen();
+        }
+        Err(Status::SubproblemFailed)
+    }
+
+    fn elastic_once(&mut self, at: &Iterate, penalty: f64, counters: &mut Counters) -> ElasticStep {
         let s = self.s();
         let hessian = self.damped_hessian();
         let gradient = self.gradient(at, &at.rows);
-        let data = QpData::at(at, &hessian, &gradient, &at.rows);
-        let subproblem = self
-            .elastic
-            .get_or_insert_with(|| Subproblem::new_elastic(s));
+        let max_penalty = self.options.max_penalty;
         let mut solved = 0;
         let outcome = elastic::solve(
             s,
-            subproblem,
-            &data,
-            penalty,
-            self.options.max_penalty,
+            self.elastic
+                .get_or_insert_with(|| Subproblem::new_elastic(s)),
+            &QpData::at(at, &hessian, &gradient, &at.rows),
+            elastic::price(penalty, &at.gradient, max_penalty),
+            max_penalty,
             &mut counters.interior_iterations,
             &mut solved,
         );
         counters.elastic += solved;
         counters.subproblems += solved;
-        self.active = None;
-        match outcome {
-            ElasticStep::Step(step, price) => {
-                Ok(self.convex_proposal(at, StepKind::Elastic, step, price))
-            }
-            ElasticStep::NoRelief => Err(Status::LocallyInfeasible),
-            ElasticStep::Failed => Err(Status::SubproblemFailed),
-        }
+        outcome
     }
 
     fn convex_proposal(

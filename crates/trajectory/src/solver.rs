@@ -217,6 +217,8 @@ impl<'e> Run<'e> {
         let before = self.penalty;
         self.penalty.0 = self.penalty.0.max(proposal.penalty);
         self.penalty.update(model, relief);
+        // The price of an elastic step is that of a place where rows cannot all be met: it must not fall there.
+        self.penalty.0 = self.penalty.0.max(proposal.penalty);
         let violation = self.at.violation(self.e);
         let merit = Merit {
             value: self.reference(self.at.cost, violation),

@@ -10,6 +10,7 @@
 pub mod book;
 pub mod catalogue;
 pub mod chain;
+pub mod cold;
 pub mod file;
 pub mod layout;
 mod linear;

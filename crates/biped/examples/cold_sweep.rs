@@ -1,0 +1,178 @@
+//! The sweep of Fig. 12 from nothing: one guess, walked to the compliant contact, then every brush along the weights, and what
+//! stays open once more from its neighbours. Prints every solve, how many of the 21 strides are certified, and the time.
+//!
+//! `cargo run --release -p biped --example cold_sweep -- [FILE]`; FILE as data/strides.json, to compare costs with. Two threads:
+//! `RAYON_NUM_THREADS=2`.
+
+use biped::gait::catalogue::{CONTACT, Mount, Name, WEIGHTS};
+use biped::gait::chain::{Case, Outcome, solve_all};
+use biped::gait::cold::walk;
+use biped::gait::file::StridesFile;
+use biped::gait::programme::Stride;
+use biped::gait::start::Guess;
+use rayon::prelude::*;
+use std::error::Error;
+use std::time::Instant;
+use trajectory::{Options, Start, solve};
+
+#[path = "../tests/sample/mod.rs"]
+mod sample;
+
+const AIM_M_S: f64 = 20.0;
+/// Steps that a solve from a neighbour may take.
+const STEPS: usize = 80;
+/// Guesses of the first stride: speed, m/s, and stance, s; the next one where a walk does not arrive.
+const GUESSES: [(f64, f64); 4] = [(4.0, 0.06), (3.0, 0.06), (5.0, 0.08), (6.0, 0.05)];
+
+type Found = (Name, Option<Outcome>);
+
+fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
+    let clock = Instant::now();
+    let first = first()?.ok_or("no guess led to a stride")?;
+    println!("first stride after {:.1?}", clock.elapsed());
+    let sweeps: Vec<Vec<Found>> = Mount::ALL
+        .par_iter()
+        .map(|&brush| sweep(brush, &first))
+        .collect::<Result<_, _>>()?;
+    let mut found: Vec<Found> = sweeps.into_iter().flatten().collect();
+    println!(
+        "sweep after {:.1?}: {} certified",
+        clock.elapsed(),
+        certified(&found)
+    );
+    fill(&mut found)?;
+    let seconds = clock.elapsed();
+    if let Some(path) = std::env::args().nth(1) {
+        compare(&found, &path)?;
+    }
+    println!(
+        "{} of {} certified in {seconds:.1?} on {} threads",
+        certified(&found),
+        found.len(),
+        rayon::current_num_threads()
+    );
+    Ok(())
+}
+
+fn certified(found: &[Found]) -> usize {
+    found.iter().filter(|(_, stride)| stride.is_some()).count()
+}
+
+fn first() -> Result<Option<Outcome>, trajectory::ProgrammeError> {
+    let name = Name::compliant(CONTACT, Mount::Symmetric, WEIGHTS[0], AIM_M_S);
+    for (speed_m_s, stance_s) in GUESSES {
+        let guess = Guess {
+            speed_m_s,
+            stance_s,
+            ..Guess::default()
+        };
+        let walk = walk(&name.problem(&sample::biped(), sample::brush()), &guess)?;
+        for tread in &walk.treads {
+            println!(
+                "{speed_m_s} m/s, {stance_s} s: part {:.4} on {}/{}: {:?} cost {:.6} after {} steps",
+                tread.part,
+                tread.mesh.stance,
+                tread.mesh.flight,
+                tread.status,
+                tread.cost,
+                tread.iterations
+            );
+        }
+        if walk.stride.is_some() {
+            return Ok(walk.stride);
+        }
+    }
+    Ok(None)
+}
+
+/// One brush along the weights, each stride from the last one that was certified.
+fn sweep(brush: Mount, first: &Outcome) -> Result<Vec<Found>, trajectory::ProgrammeError> {
+    let mut last = first.clone();
+    let mut found = Vec::new();
+    for weight in WEIGHTS {
+        let name = Name::compliant(CONTACT, brush, weight, AIM_M_S);
+        let stride = from(&name, last.start())?;
+        if let Some(stride) = &stride {
+            last = stride.clone();
+        }
+        found.push((name, stride));
+    }
+    Ok(found)
+}
+
+/// Solves a problem from one start; the stride if it is certified.
+fn from(name: &Name, start: Start) -> Result<Option<Outcome>, trajectory::ProgrammeError> {
+    let options = Options {
+        max_iterations: STEPS,
+        ..Options::default()
+    };
+    let clock = Instant::now();
+    let case = Case {
+        problem: name.problem(&sample::biped(), sample::brush()),
+        starts: vec![start],
+    };
+    let found = solve_all(&[case], &options)?.pop().flatten();
+    if let Some(o) = &found {
+        println!(
+            "{} {}: {:?} cost {:.8} speed {:.4} after {} steps and {} subproblems, {:.1?}",
+            name.brush.id(),
+            name.weight,
+            o.status,
+            o.cost,
+            o.motion.speed_m_s,
+            o.iterations,
+            o.subproblems,
+            clock.elapsed()
+        );
+    }
+    Ok(found.filter(Outcome::is_certified))
+}
+
+/// What stayed open, from its certified neighbours one after the other.
+fn fill(found: &mut [Found]) -> Result<(), trajectory::ProgrammeError> {
+    for place in 0..found.len() {
+        let name = found[place].0;
+        if found[place].1.is_some() {
+            continue;
+        }
+        let near: Vec<Start> = found
+            .iter()
+            .filter(|(other, _)| other.is_beside(&name))
+            .filter_map(|(_, stride)| Some(stride.as_ref()?.start()))
+            .collect();
+        for start in near {
+            if let Some(stride) = from(&name, start)? {
+                found[place].1 = Some(stride);
+                break;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Costs beside those of the strides in a file, which many starts have improved.
+fn compare(found: &[Found], path: &str) -> Result<(), Box<dyn Error + Send + Sync>> {
+    let file: StridesFile = serde_json::from_str(&std::fs::read_to_string(path)?)?;
+    for (name, stride) in found {
+        let row = file.starts.iter().find(|row| row.name == *name);
+        let (Some(stride), Some(row)) = (stride, row) else {
+            continue;
+        };
+        let problem = name.problem(&sample::biped(), sample::brush());
+        let best = solve(
+            &Stride::new(problem),
+            &Start::cold(row.x.clone()),
+            &Options::default(),
+        )?;
+        println!(
+            "{} {}: cost {:.8}, {:+.1e} of that in the file ({:?}), speed {:+.2} m/s",
+            name.brush.id(),
+            name.weight,
+            stride.cost,
+            stride.cost / best.cost - 1.0,
+            best.status,
+            stride.motion.speed_m_s - best.x[biped::gait::layout::Layout::new(&problem).speed()]
+        );
+    }
+    Ok(())
+}
