@@ -140,7 +140,7 @@ pub(crate) fn exchange_with_named(
     Some(stand)
 }
 
-/// The best other cause in the place of the k-th, its fit and its tail probability.
+/// The best other cause in the place of the k-th, or the same with another period, its fit and its tail probability.
 fn replacement(
     bench: &Bench<'_>,
     subset: &Subset,
@@ -159,7 +159,8 @@ fn replacement(
     let found = scan(bench, subset, &beside, scatter);
     let same = |cause: usize| bench.catalogue[cause].id() == bench.catalogue[own].id();
     let mut asked = survivors(bench, &found, threshold, SURVIVORS);
-    asked.retain(|c| !same(c.cause));
+    // A periodic cause may take its own place with another period: among strong neighbours the wrong line may have been the highest.
+    asked.retain(|c| !same(c.cause) || bench.catalogue[c.cause].is_periodic());
     let (cause, fit, _) = joint_fits(bench, subset, &beside, &asked, 2)
         .into_iter()
         .next()?;

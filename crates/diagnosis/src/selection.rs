@@ -424,7 +424,8 @@ pub(crate) fn select(
         explained += step.drop;
         entry.push(step.log_p);
         let (mut next, _) = looked_up(bench, &mut subset, next)?;
-        if round > 0 {
+        let periodic = bench.catalogue[next.fitted.effects[last]].is_periodic();
+        if round > 0 || periodic {
             next = look_back(bench, &subset, next, &singles, &mut entry, threshold, depth)?;
             let (later, moved) = looked_up(bench, &mut subset, next)?;
             next = later;
