@@ -76,6 +76,10 @@ pub(crate) fn lacking(bench: &Bench<'_>) -> Vec<Undecidable> {
         if !cause.applies_to(bench.law) {
             continue;
         }
+        // Another form of it may be asked for.
+        if bench.catalogue.iter().any(|other| other.id() == cause.id()) {
+            continue;
+        }
         if let Some(lack) = cause.lack(&bench.experiment) {
             let because = lack.lack().to_owned();
             match out.iter_mut().find(|u| u.because == because) {
