@@ -30,6 +30,7 @@ mod proposal;
 mod qp;
 mod scalar;
 mod scaling;
+mod shift;
 mod soc;
 mod solution;
 mod solver;

@@ -28,8 +28,10 @@ const DUAL_SHIFT: f64 = 1e-9;
 const STEEP: f64 = 8.0;
 /// Refinement stops at this backward error.
 const REFINED: f64 = 1e-16;
-/// A step whose residual stays above this share of its right-hand side is refused.
+/// A step whose residual stays above this share of its right-hand side is refused,
 const ACCEPTABLE: f64 = 1e-6;
+/// unless the residual itself is below this: far less than a certified point may miss.
+const NEGLIGIBLE: f64 = 1e-11;
 /// A solve whose backward error stays above this is refused.
 const BACKWARD: f64 = 1e-10;
 /// Most rounds of refinement.
@@ -59,9 +61,10 @@ pub(crate) struct NewtonStep {
     pub z: Vec<f64>,
 }
 
-/// A refined solution with its residual relative to the right-hand side and its backward error.
+/// A refined solution with its residual, that relative to the right-hand side and the backward error.
 struct Refined {
     x: Vec<f64>,
+    miss: f64,
     residual: f64,
     backward: f64,
 }
@@ -190,10 +193,11 @@ impl NewtonSystem {
     }
 
     /// Solves with the last factorisation; `None` if the residual stays above a small share of
-    /// the right-hand side, as it does where active gradients depend on each other.
+    /// the right-hand side, as it does where active gradients depend on each other. Close to a solution with large
+    /// multipliers that share is below rounding; there it is enough that the residual hardly counts.
     pub(crate) fn solve(&mut self, rhs: &[f64]) -> Option<Vec<f64>> {
         let refined = self.refine(rhs)?;
-        (refined.residual <= ACCEPTABLE).then_some(refined.x)
+        (refined.residual <= ACCEPTABLE || refined.miss <= NEGLIGIBLE).then_some(refined.x)
     }
 
     /// Solves with the last factorisation; `None` if the backward error stays large. For questions
@@ -220,6 +224,7 @@ impl NewtonSystem {
         if size == 0.0 {
             return Some(Refined {
                 x,
+                miss: 0.0,
                 residual: 0.0,
                 backward: 0.0,
             });
@@ -247,8 +252,13 @@ impl NewtonSystem {
                 break;
             }
         }
+        let miss = residual
+            .iter()
+            .zip(&self.scales)
+            .map(|(r, s)| (r / s).abs());
         Some(Refined {
             x: scaled(&x),
+            miss: miss.fold(0.0, f64::max),
             residual: max_abs(&residual) / size,
             backward: best,
         })

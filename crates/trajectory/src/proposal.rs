@@ -6,7 +6,7 @@
 //! the subproblem with the exact Hessian. It is therefore tried first on the
 //! active set that Clarabel found last, and again on each new one.
 
-use crate::active_set::{self, Settled, Shift};
+use crate::active_set::{self, Settled};
 use crate::convexify::{self, Convexification, Convexity};
 use crate::damping::Damping;
 use crate::elastic::{self, ElasticStep};
@@ -16,6 +16,7 @@ use crate::model::{Evaluator, Structure};
 use crate::newton::{ActiveSet, Limits, NewtonSystem};
 use crate::pattern::max_abs;
 use crate::qp::{QpData, QpStep, Subproblem};
+use crate::shift::Shift;
 use crate::solution::{Counters, StepKind};
 use crate::{HessianModel, Options, Status};
 use clarabel::solver::SolverStatus;

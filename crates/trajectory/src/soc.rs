@@ -14,7 +14,9 @@
 //!
 //! `m` is how far a row lies beyond its limit, A the equalities and the limits
 //! that the full step crosses. It has no inequalities, so it is solved directly,
-//! with one factorisation for all trial points of a line search.
+//! with one factorisation for all trial points of a line search. Where the rows are curved, one correction
+//! leaves a part of the miss: it is repeated from the corrected point, with the same factors (the chord method), as long as
+//! it contracts.
 
 use crate::iterate::Iterate;
 use crate::model::Structure;

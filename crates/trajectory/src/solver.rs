@@ -24,6 +24,10 @@ use std::collections::VecDeque;
 const SHORTEST: f64 = 1e-8;
 /// Newton's step and a first subproblem step shorter than this give way to another source.
 const IMPATIENT: f64 = 0.05;
+/// Most second-order corrections of one trial point.
+const CORRECTIONS: usize = 5;
+/// A correction is repeated while it leaves at most this share of the violation.
+const CONTRACTION: f64 = 0.7;
 /// A cost below this is taken for unbounded (scaled).
 const BOTTOMLESS: f64 = -1e15;
 
@@ -277,21 +281,28 @@ impl<'e> Run<'e> {
         trial_rows: &[f64],
     ) -> bool {
         let s = self.e.structure();
-        self.counters.corrections += 1;
-        let Some(p) = correction.step(s, &mut self.proposer.newton, &self.at, alpha, trial_rows)
-        else {
-            return false;
-        };
-        x.iter_mut().zip(&p).for_each(|(x, p)| *x += p);
-        clamp(&mut x, &s.lower, &s.upper);
-        let mut rows = vec![0.0; s.rows()];
-        let (cost, v) = self.values(&x, &mut rows);
-        if !merit.accepts(alpha, cost, v) {
-            return false;
+        let mut rows = trial_rows.to_vec();
+        let mut violation = merit::violation(s, &rows);
+        for _ in 0..CORRECTIONS {
+            self.counters.corrections += 1;
+            let newton = &mut self.proposer.newton;
+            let Some(p) = correction.step(s, newton, &self.at, alpha, &rows) else {
+                return false;
+            };
+            x.iter_mut().zip(&p).for_each(|(x, p)| *x += p);
+            clamp(&mut x, &s.lower, &s.upper);
+            let (cost, v) = self.values(&x, &mut rows);
+            if merit.accepts(alpha, cost, v) {
+                self.counters.corrections_accepted += 1;
+                self.move_to(x, alpha, proposal, StepKind::Corrected);
+                return true;
+            }
+            if v.is_nan() || v > CONTRACTION * violation {
+                return false;
+            }
+            violation = v;
         }
-        self.counters.corrections_accepted += 1;
-        self.move_to(x, alpha, proposal, StepKind::Corrected);
-        true
+        false
     }
 
     fn point_at(&self, alpha: f64, d: &[f64]) -> Vec<f64> {
