@@ -75,8 +75,8 @@ pub(crate) struct Task<'a> {
     pub(crate) model: &'a Model,
     pub(crate) bounds: &'a Bounds,
     pub(crate) noise_options: EstimateOptions,
-    /// Sizes that are held instead of estimated.
-    pub(crate) noise: Option<Sizes>,
+    /// The noise, where it is held instead of estimated.
+    pub(crate) noise: Option<NoiseModel>,
     /// All samples weigh alike, whatever the noise.
     pub(crate) plain: bool,
     /// Scatter within repeats, in the unit of y.
@@ -102,6 +102,9 @@ impl Task<'_> {
         starts: &[Vec<f64>],
         rough: Option<(&Experiment, &Model)>,
     ) -> Result<Fitted, IdentificationError> {
+        if let Some(held) = &self.noise {
+            return self.run_under(held, starts);
+        }
         let mut work = Work::default();
         // Enough to rank the minima: every one that is kept is fitted again under the noise.
         let options = Options {
@@ -128,7 +131,7 @@ impl Task<'_> {
         let missed = self
             .floor
             .is_some_and(|floor| crate::quality::sizes(self.experiment, &forces).0 > GROSS * floor);
-        if self.plain || (missed && self.noise.is_none()) {
+        if self.plain || missed {
             return self.finish(plain, Weighting::Plain, None, work);
         }
         let mut best = plain.clone();
@@ -151,6 +154,30 @@ impl Task<'_> {
             return self.finish(plain, Weighting::Plain, None, work);
         }
         self.finish(best, Weighting::Noise, noise, work)
+    }
+
+    /// Fits from the starts under a noise that is known.
+    fn run_under(
+        &self,
+        noise: &NoiseModel,
+        starts: &[Vec<f64>],
+    ) -> Result<Fitted, IdentificationError> {
+        let mut work = Work {
+            starts: starts.len(),
+            ..Work::default()
+        };
+        let mut fits = Vec::with_capacity(starts.len());
+        for start in starts {
+            let forces = self.model.predict(self.experiment, start);
+            let whitener = Whitener::new(&noise_context(self.experiment, &forces), &noise.sizes);
+            fits.push(self.best_of(std::slice::from_ref(start), Some(&whitener), &mut work)?);
+        }
+        work.converged = fits.iter().filter(|fit| fit.status.converged()).count();
+        let best = fits
+            .into_iter()
+            .min_by(|a, b| a.cost.total_cmp(&b.cost))
+            .expect("a question has a start");
+        self.finish(best, Weighting::Noise, Some(noise.clone()), work)
     }
 
     /// Best fit from several places under given weights.
@@ -214,18 +241,8 @@ impl Task<'_> {
             options.start = Some(former.sizes);
         }
         let nothing = DMatrix::zeros(residual.len(), 0);
-        let model = match (self.noise, former) {
-            // Held sizes still need the evidence on scatter, which one evaluation gives.
-            (Some(_), Some(former)) => former.clone(),
-            _ => {
-                let mut model = estimate(&context, &residual, &jacobian, &nothing, &options);
-                work.noise_evaluations += model.evaluations;
-                if let Some(held) = self.noise {
-                    model.sizes = held;
-                }
-                model
-            }
-        };
+        let model = estimate(&context, &residual, &jacobian, &nothing, &options);
+        work.noise_evaluations += model.evaluations;
         let whitener = Whitener::new(&context, &model.sizes);
         (model, whitener)
     }

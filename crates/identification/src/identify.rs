@@ -252,7 +252,7 @@ pub fn identify_prepared(
         model: &model,
         bounds: &bounds,
         noise_options: noise_options(campaign),
-        noise: question.noise,
+        noise: question.noise.clone(),
         plain: question.plain,
         floor: repeat_floor(campaign),
     };

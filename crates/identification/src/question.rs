@@ -26,8 +26,8 @@ pub struct Question {
     pub test_fit: bool,
     /// A former answer to begin from (law and effect parameters by name) instead of starts from the data.
     pub near: Option<BTreeMap<String, f64>>,
-    /// Sizes of a noise that is already known (held), instead of estimating them.
-    pub noise: Option<fitting::noise::Sizes>,
+    /// A noise that is already known (held), instead of estimating it.
+    pub noise: Option<fitting::noise::NoiseModel>,
 }
 
 impl Question {
@@ -91,11 +91,12 @@ impl Question {
         self
     }
 
-    /// The same with a noise that is already known.
+    /// The same under the noise of a former answer: from its parameters, weighed as it was.
     #[must_use]
-    pub fn with_noise(mut self, sizes: fitting::noise::Sizes) -> Self {
-        self.noise = Some(sizes);
-        self
+    pub fn under_noise_of(mut self, former: &crate::Identification) -> Self {
+        self.plain = former.weighting == crate::Weighting::Plain;
+        self.noise = (!self.plain).then(|| former.noise.clone());
+        self.near(former)
     }
 }
 
