@@ -118,19 +118,24 @@ for (const colorScheme of ["light", "dark"]) {
   facts.drawings = without.drawings;
 }
 
-// Behaviour: address, search, filter, theme, review, keys.
+// Behaviour: address, search, filter, theme, review, keys. Without motion: while the page scrolls smoothly to a claim the
+// tools move until they stick, and a button that is pressed meanwhile may be let go beside it.
 {
-  const page = await open({ viewport: { width: 1280, height: 900 } });
+  const page = await open({ viewport: { width: 1280, height: 900 }, reducedMotion: "reduce" });
+  /** What a page does some time after it was asked to: a change of address is handled in a task of its own. */
+  const becomes = async (what, holds, given) => {
+    await page.waitForFunction(holds, given, { timeout: 10000 }).catch(() => failures.push(what));
+  };
   const claims = page.locator(".claim");
   facts.claims = await claims.count();
   if (facts.claims > 0) {
     const id = await claims.last().getAttribute("id");
     await page.goto(`${address}#${id}`);
-    expect(await page.locator(`#${id} details`).evaluate((d) => d.open), "the address of a claim does not open it");
+    await becomes("the address of a claim does not open it", (id) => document.querySelector(`#${id} details`).open, id);
     await page.keyboard.press("/");
     await page.keyboard.type(id.toLowerCase());
     expect(await page.locator(`#${id}`).isVisible(), "searching a claim hides it");
-    expect(page.url().includes("q="), "the search does not stand in the address");
+    await becomes("the search does not stand in the address", () => location.hash.includes("q="));
     await page.locator("#search").fill("no such words anywhere");
     expect(await claims.filter({ visible: true }).count() === 0, "the search hides nothing");
     await page.keyboard.press("Escape");
@@ -140,8 +145,10 @@ for (const colorScheme of ["light", "dark"]) {
     expect(!(await page.locator(`#${id}`).isVisible()), "the filter hides nothing");
     await page.locator(`#show-${verdict}`).check();
     await page.keyboard.press("j");
-    expect(/#C\d+/.test(page.url()), "the key j goes nowhere");
+    await becomes("the key j goes nowhere", () => /^#C\d+$/.test(location.hash)
+      && document.querySelector(`${location.hash} details`).open);
     await page.locator("#review").click();
+    await becomes("the button Review does nothing", () => document.querySelector("#review").getAttribute("aria-pressed") === "true");
     await page.locator(`#${id} textarea`).fill("a note");
     await page.locator(`#${id} select`).selectOption("2");
     const download = page.waitForEvent("download");

@@ -26,7 +26,7 @@ impl SuspectState {
         match self {
             Self::Found => "found",
             Self::Equivalent => "fits as well",
-            Self::RuledOut => "ruled out",
+            Self::RuledOut => "not needed",
             Self::Undecidable => "cannot be told",
             Self::NotTested => "not tested",
         }

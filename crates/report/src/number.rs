@@ -75,21 +75,27 @@ pub(crate) fn plain(number: f64) -> String {
 /// Significant digits of a number whose 95 % interval is known: the half width to two digits.
 pub(crate) fn digits_of(number: f64, [low, high]: [f64; 2]) -> u8 {
     let half = 0.5 * (high - low).abs();
-    if half == 0.0 || !half.is_finite() || number == 0.0 {
+    let size = size(number, [low, high]);
+    if half == 0.0 || !half.is_finite() || size == 0.0 {
         return DEFAULT_DIGITS;
     }
-    let digits = exponent(number, 3) - exponent(half, 2) + 2;
+    let digits = exponent(size, 3) - exponent(half, 2) + 2;
     u8::try_from(digits.clamp(2, 8)).unwrap_or(DEFAULT_DIGITS)
+}
+
+/// What sets the place of the digits: the number, or the farther end of its interval where it is zero.
+fn size(number: f64, [low, high]: [f64; 2]) -> f64 {
+    if number == 0.0 {
+        low.abs().max(high.abs())
+    } else {
+        number.abs()
+    }
 }
 
 /// Value and interval with the same number of decimals: `1.640 [1.622, 1.658]`.
 pub(crate) fn with_interval(number: f64, interval: [f64; 2]) -> String {
     let digits = digits_of(number, interval);
-    let exponent = if number == 0.0 {
-        0
-    } else {
-        exponent(number, digits)
-    };
+    let exponent = exponent(size(number, interval), digits);
     let [low, high] = interval;
     if !(-4..6).contains(&exponent) {
         return format!(
@@ -172,6 +178,12 @@ mod tests {
             "1.640 [1.622, 1.658]"
         );
         assert_eq!(with_interval(18.604, [18.1, 19.1]), "18.60 [18.10, 19.10]");
+        assert_eq!(
+            with_interval(0.0, [0.0, 0.000_412_6]),
+            "0.00000 [0.00000, 0.00041]",
+            "an estimate on its bound"
+        );
+        assert_eq!(with_interval(0.0, [0.0, 9.251]), "0.0 [0.0, 9.3]");
     }
 
     #[test]

@@ -25,33 +25,39 @@ pub struct CostsError {
     problem: String,
 }
 
-/// Where the costs of this machine lie: beside the kept outputs.
-fn own(out: &Path) -> PathBuf {
-    out.join(".cache/seconds.json")
-}
+/// Name of the file with the costs of this machine: it lies beside the kept outputs.
+pub const FILE: &str = "seconds.json";
 
 impl Costs {
-    /// The shipped ones, over them those that were measured here.
+    /// The shipped ones, over them those that were measured beside the outputs in `kept`.
     ///
     /// # Errors
     /// Where the shipped file cannot be read. An own file that cannot is no measurement.
-    pub fn read(root: &Path, out: &Path) -> Result<Self, CostsError> {
-        let path = root.join("data/costs.json");
-        let refuse = |error: &dyn std::fmt::Display| CostsError {
-            path: path.clone(),
-            problem: error.to_string(),
-        };
-        let text = std::fs::read_to_string(&path).map_err(|error| refuse(&error))?;
-        let mut costs: Self = serde_json::from_str(&text).map_err(|error| refuse(&error))?;
-        if let Some(here) = Self::here(out) {
+    pub fn read(root: &Path, kept: &Path) -> Result<Self, CostsError> {
+        let mut costs = Self::shipped(root)?;
+        if let Some(here) = Self::here(kept) {
             costs.seconds.extend(here.seconds);
             costs.measured = here.measured;
         }
         Ok(costs)
     }
 
-    fn here(out: &Path) -> Option<Self> {
-        let text = std::fs::read_to_string(own(out)).ok()?;
+    /// The shipped ones: the same for everybody.
+    ///
+    /// # Errors
+    /// Where the file cannot be read.
+    pub fn shipped(root: &Path) -> Result<Self, CostsError> {
+        let path = root.join("data/costs.json");
+        let refuse = |error: &dyn std::fmt::Display| CostsError {
+            path: path.clone(),
+            problem: error.to_string(),
+        };
+        let text = std::fs::read_to_string(&path).map_err(|error| refuse(&error))?;
+        serde_json::from_str(&text).map_err(|error| refuse(&error))
+    }
+
+    fn here(kept: &Path) -> Option<Self> {
+        let text = std::fs::read_to_string(kept.join(FILE)).ok()?;
         serde_json::from_str(&text).ok()
     }
 
@@ -59,7 +65,7 @@ impl Costs {
     ///
     /// # Errors
     /// Where the file cannot be written.
-    pub fn record(out: &Path, stages: &[Finished]) -> std::io::Result<()> {
+    pub fn record(kept: &Path, stages: &[Finished]) -> std::io::Result<()> {
         let computed = stages
             .iter()
             .filter(|stage| !stage.kept && stage.output.is_ok());
@@ -69,11 +75,28 @@ impl Costs {
         if new.is_empty() {
             return Ok(());
         }
-        let mut costs = Self::here(out).unwrap_or_default();
+        let mut costs = Self::here(kept).unwrap_or_default();
         costs.measured = "on this machine, when they were last computed".to_owned();
         costs.seconds.extend(new);
-        let text = serde_json::to_string_pretty(&costs).map_err(std::io::Error::other)?;
-        campaign::write_atomically(&own(out), (text + "\n").as_bytes())
+        costs.write(kept)
+    }
+
+    /// Brings together what several machines measured; a folder without times adds none.
+    ///
+    /// # Errors
+    /// Where the file cannot be written.
+    pub fn gather(from: &[PathBuf], kept: &Path) -> std::io::Result<()> {
+        let mut costs = Self::here(kept).unwrap_or_default();
+        costs.measured = "on the machines that last computed them".to_owned();
+        for other in from.iter().filter_map(|folder| Self::here(folder)) {
+            costs.seconds.extend(other.seconds);
+        }
+        costs.write(kept)
+    }
+
+    fn write(&self, kept: &Path) -> std::io::Result<()> {
+        let text = serde_json::to_string_pretty(self).map_err(std::io::Error::other)?;
+        campaign::write_atomically(&kept.join(FILE), (text + "\n").as_bytes())
             .map_err(std::io::Error::other)
     }
 
@@ -110,7 +133,7 @@ mod tests {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
         let out = std::env::temp_dir().join(format!("bristle-costs-{}", std::process::id()));
         let here = r#"{"measured": "here", "seconds": {"audit": 123.0}}"#;
-        campaign::write_atomically(&own(&out), here.as_bytes()).unwrap();
+        campaign::write_atomically(&out.join(FILE), here.as_bytes()).unwrap();
         let costs = Costs::read(&root, &out).unwrap();
         assert_eq!(costs.of(["audit"]), 123.0);
         assert!(costs.of(["gait"]) > 0.0, "shipped");

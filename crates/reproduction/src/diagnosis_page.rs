@@ -136,9 +136,9 @@ fn chain(answer: &Diagnosis, prefix: &str) -> Chain {
             .iter()
             .any(|u| u.causes.iter().any(|c| c == id))
         {
-            (SuspectState::Undecidable, "this protocol cannot tell")
+            (SuspectState::Undecidable, "the last table says why")
         } else {
-            (SuspectState::RuledOut, "not needed")
+            (SuspectState::RuledOut, "")
         }
     };
     let catalogue = diagnosis::causes::catalogue();
@@ -293,7 +293,7 @@ fn laws(answer: &Diagnosis, prefix: &str) -> Table {
     Table {
         id: format!("{prefix}-laws"),
         title: "All laws on this campaign".into(),
-        caption: "Each law fitted alone under one noise model: error of the fit, and corrected Akaike criterion above the best law's.".into(),
+        caption: "Each law fitted alone under the noise found with the law that was asked for: error of the fit, and corrected Akaike criterion above the best law's. A law far out of the race is given up before its fit has ended, and a gain of its own for each run takes up part of what a law misses: error and criterion need not order alike.".into(),
         columns: vec![
             Column::text("law"),
             Column::number("error", &answer.noise_floor.unit),
@@ -310,6 +310,8 @@ fn laws(answer: &Diagnosis, prefix: &str) -> Table {
 }
 
 fn hidden(answer: &Diagnosis, prefix: &str) -> Table {
+    let mut hidden: Vec<_> = answer.hidden.iter().collect();
+    hidden.sort_by(|a, b| (&a.cause, &a.parameter).cmp(&(&b.cause, &b.parameter)));
     Table {
         id: format!("{prefix}-hidden"),
         title: "What could have hidden".into(),
@@ -322,9 +324,8 @@ fn hidden(answer: &Diagnosis, prefix: &str) -> Table {
             Column::number("size", ""),
             Column::text("unit"),
         ],
-        rows: answer
-            .hidden
-            .iter()
+        rows: hidden
+            .into_iter()
             .map(|h| {
                 vec![
                     h.cause.clone().into(),
@@ -333,7 +334,7 @@ fn hidden(answer: &Diagnosis, prefix: &str) -> Table {
                         Cell::Missing("no size: the law absorbs it".into()),
                         Cell::from,
                     ),
-                    h.unit.clone().into(),
+                    report::printed_unit(&h.unit).into(),
                 ]
             })
             .collect(),

@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::cache::{Cache, Key};
+use crate::cache::Cache;
 use crate::campaigns::Campaigns;
+use crate::parcel::Origin;
 use crate::published::Published;
 use crate::stage::{ModelText, Stage, StageContext, StageError, StageOutput, StageStatus};
 use crate::watch::{Source, Watch};
@@ -46,6 +47,23 @@ pub struct Finished {
     pub kept: bool,
     /// Key of its output: part of the keys of stages that need it.
     key: String,
+}
+
+/// One stage as a piece of work that any machine can do: what its output depends on, known before anything runs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Task {
+    /// The stage.
+    pub stage: &'static str,
+    /// Everything that its output depends on.
+    pub origin: Origin,
+}
+
+impl Task {
+    /// Hash of all that the output depends on.
+    #[must_use]
+    pub fn key(&self) -> String {
+        self.origin.key(self.stage)
+    }
 }
 
 impl Finished {
@@ -114,8 +132,8 @@ impl Engine<'_> {
     ) -> Finished {
         let id = stage.id();
         self.watch.start(id, stage.title());
-        let (inputs, key) = match self.inputs(stage, done) {
-            Ok(found) => found,
+        let task = match self.task(stage, |need| done[need].key.clone()) {
+            Ok(task) => task,
             Err(error) => {
                 return self.finished(
                     id,
@@ -126,7 +144,8 @@ impl Engine<'_> {
                 );
             }
         };
-        if let Some(kept) = self.cache.get(id, &key) {
+        let (inputs, key) = (task.origin.inputs.clone(), task.key());
+        if let Some(kept) = self.cache.get(&task) {
             return self.finished(id, Ok(kept), inputs, key, Source::Kept);
         }
         let earlier: BTreeMap<String, Arc<StageOutput>> = done
@@ -150,7 +169,7 @@ impl Engine<'_> {
             .unwrap_or_else(|| stage.run(&context));
         // An output that cannot be kept is an output all the same: the next run computes it again.
         if let Ok(output) = &output
-            && let Err(problem) = self.cache.put(id, &key, output)
+            && let Err(problem) = self.cache.put(&task, output)
         {
             self.watch.say(id, &problem.to_string());
         }
@@ -175,12 +194,27 @@ impl Engine<'_> {
         }))
     }
 
-    /// Inputs of a stage and the key made of them.
-    fn inputs(
+    /// The stages (closed under needs, in order) as tasks. Nothing is computed: a key is made of inputs and of other keys.
+    ///
+    /// # Errors
+    /// Where a campaign is refused at the door.
+    pub fn plan(&self, stages: &[&'static dyn Stage]) -> Result<Vec<Task>, StageError> {
+        let mut keys: BTreeMap<&str, String> = BTreeMap::new();
+        let mut tasks = Vec::new();
+        for stage in stages {
+            let task = self.task(*stage, |need| keys[need].clone())?;
+            keys.insert(task.stage, task.key());
+            tasks.push(task);
+        }
+        Ok(tasks)
+    }
+
+    /// A stage as a task; `key_of` knows the keys of the stages that it needs.
+    fn task(
         &self,
         stage: &'static dyn Stage,
-        done: &BTreeMap<&'static str, Finished>,
-    ) -> Result<(BTreeMap<String, String>, String), StageError> {
+        key_of: impl Fn(&str) -> String,
+    ) -> Result<Task, StageError> {
         let needs = stage.needs();
         let mut inputs = BTreeMap::new();
         inputs.insert(
@@ -198,16 +232,18 @@ impl Engine<'_> {
                 blake3::hash(model.text.as_bytes()).to_hex().to_string(),
             );
         }
-        let mut key = Key::new(&self.program);
-        key.add("stage", stage.id());
-        key.add("quick", if self.quick { "yes" } else { "no" });
-        for (path, hash) in &inputs {
-            key.add(path, hash);
-        }
-        for need in needs.stages {
-            key.add(need, &done[need].key);
-        }
-        Ok((inputs, key.text()))
+        let needs = needs.stages.iter();
+        Ok(Task {
+            stage: stage.id(),
+            origin: Origin {
+                program: self.program.clone(),
+                quick: self.quick,
+                inputs,
+                needs: needs
+                    .map(|need| ((*need).to_owned(), key_of(need)))
+                    .collect(),
+            },
+        })
     }
 
     fn finished(

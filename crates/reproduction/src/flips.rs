@@ -108,10 +108,9 @@ pub fn words(claim: &Claim, checks: &[Check]) -> Option<String> {
     if !said.is_empty() {
         return Some(said.join("; "));
     }
-    let without = checks.iter().filter(|check| check.tolerance == 0.0);
-    let decided = without
-        .into_iter()
-        .any(|check| check.agrees() == Some(false));
+    let decided = checks
+        .iter()
+        .any(|check| check.tolerance == 0.0 && check.agrees() == Some(false));
     Some(if decided {
         "nowhere: a check that has no tolerance fails".to_owned()
     } else {

@@ -194,7 +194,7 @@ mod tests {
 
     fn shipped() -> (Published, Vec<Claim>, OtherNumbers) {
         (
-            Published::read(&data().join("published.toml")).unwrap(),
+            Published::shipped(),
             crate::claims::read(&data().join("claims.toml")).unwrap(),
             read(&data().join("other-numbers.toml")).unwrap(),
         )

@@ -354,6 +354,15 @@ fn read_printed(printed: &str) -> Option<(f64, Interval)> {
 }
 
 #[cfg(test)]
+impl Published {
+    /// The numbers that the repository ships.
+    pub(crate) fn shipped() -> Self {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/published.toml");
+        Self::read(&path).unwrap()
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use super::*;
 
@@ -376,8 +385,7 @@ mod tests {
 
     #[test]
     fn the_shipped_numbers_read() {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/published.toml");
-        let published = Published::read(&path).unwrap();
+        let published = Published::shipped();
         assert_eq!(
             published.law("table1").unwrap(),
             published.law("table2.aluminium").unwrap()
@@ -392,8 +400,7 @@ mod tests {
 
     #[test]
     fn an_altered_number_is_the_only_difference() {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/published.toml");
-        let published = Published::read(&path).unwrap();
+        let published = Published::shipped();
         let altered = published.altered("gait.gain", "30.00").unwrap();
         let changed: Vec<_> = published
             .iter()

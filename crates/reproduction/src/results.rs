@@ -143,7 +143,7 @@ fn claim_json(claim: &Claim, judged: &Judged) -> serde_json::Value {
         "id": claim.id,
         "verdict": judged.verdict,
         "published": claim.published_text,
-        "ours": ours(&judged.checks),
+        "ours": ours(&judged.checks, |check| check.unit.clone()),
         "tolerance": claim.tolerance_text,
         "reason": claim.reason,
         "evidence": judged.evidence,
@@ -151,13 +151,13 @@ fn claim_json(claim: &Claim, judged: &Judged) -> serde_json::Value {
     })
 }
 
-/// Our side of the comparisons in words.
+/// Our side of the comparisons in words, each with its unit as `unit` writes it.
 #[must_use]
-pub fn ours(checks: &[Check]) -> String {
+pub fn ours(checks: &[Check], unit: impl Fn(&Check) -> String) -> String {
     let one = |check: &Check| {
         let value = check.ours.map_or_else(
             || "not computed".to_owned(),
-            |ours| interval(ours, &check.unit),
+            |ours| interval(ours, &unit(check)),
         );
         format!("{}: {value}", check.label)
     };
@@ -167,10 +167,20 @@ pub fn ours(checks: &[Check]) -> String {
     checks.iter().map(one).collect::<Vec<_>>().join("; ")
 }
 
-/// An interval with its unit, to four significant digits: one number where both ends print alike.
+/// An interval with its unit, to four significant digits and to two of its width at least, so that the half of a last
+/// printed digit, by which a rounded number is open, stays in sight: one number where both ends print alike.
 #[must_use]
 pub fn interval(interval: Interval, unit: &str) -> String {
-    let (lower, upper) = (significant(interval.lower), significant(interval.upper));
+    let [lower, upper] = [interval.lower, interval.upper].map(|end| {
+        let text = significant(end);
+        let decimals = |text: &str| text.split_once('.').map_or(0, |(_, after)| after.len());
+        match resolving(interval) {
+            Some(finer) if text.contains('.') && !text.contains('e') && finer > decimals(&text) => {
+                format!("{end:.finer$}")
+            }
+            _ => text,
+        }
+    });
     let unit = if unit == "1" {
         String::new()
     } else {
@@ -181,6 +191,19 @@ pub fn interval(interval: Interval, unit: &str) -> String {
     } else {
         format!("[{lower}, {upper}]{unit}")
     }
+}
+
+/// Decimals that show two digits of the width of an interval; `None` where it has no width or needs none.
+fn resolving(interval: Interval) -> Option<usize> {
+    let width = interval.upper - interval.lower;
+    if !(width > 0.0 && width.is_finite()) {
+        return None;
+    }
+    // The scientific form rounds: a width of 0.00999999 is one of 0.01.
+    let exponent: i32 = format!("{width:.1e}").split_once('e')?.1.parse().ok()?;
+    usize::try_from(1 - exponent)
+        .ok()
+        .filter(|decimals| *decimals <= 12)
 }
 
 /// A number that somebody chose: as `significant`, without zeros at the end.
@@ -208,5 +231,21 @@ pub fn significant(value: f64) -> String {
         format!("{value:.decimals$}")
     } else {
         format!("{value:.3e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_interval_shows_where_it_ends() {
+        let of = |lower, upper| interval(Interval { lower, upper }, "1");
+        assert_eq!(of(12.61 - 0.005, 12.61 + 0.005), "[12.605, 12.615]");
+        assert_eq!(of(17.515, 17.525), "[17.515, 17.525]");
+        assert_eq!(of(0.8545, 0.8926), "[0.8545, 0.8926]");
+        assert_eq!(of(0.25, 0.25), "0.2500");
+        assert_eq!(of(0.0, 0.000_412_6), "[0, 0.0004126]");
+        assert_eq!(of(9.95e-7, 1.005e-6), "[9.950e-7, 1.005e-6]");
     }
 }

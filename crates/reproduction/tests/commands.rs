@@ -7,9 +7,12 @@ use std::fs;
 use program::{package, root, run};
 use tempfile::TempDir;
 
-const COMMANDS: [&str; 8] = [
+const COMMANDS: [&str; 11] = [
     "reproduce",
     "claim",
+    "plan",
+    "run-task",
+    "merge",
     "identify",
     "diagnose",
     "simulate",
@@ -310,7 +313,7 @@ fn two_processes_with_one_thread_and_with_all_leave_the_same_bytes() {
     assert!(
         twice
             .stdout
-            .starts_with("twice     results, tables and figures are equal byte for byte"),
+            .starts_with("twice     results, tables, figures and page are equal byte for byte"),
         "{}",
         twice.stdout
     );

@@ -80,7 +80,11 @@ fn checklist(page: &str) {
 
 #[test]
 fn a_second_run_keeps_everything_and_changes_nothing() {
-    let (out, _) = whole();
+    // In a copy: a report that was compared with another says so, and other tests read the one without.
+    let (whole, _) = whole();
+    let home = TempDir::new().unwrap();
+    let out = &home.path().join("reproduction");
+    copy(whole, out);
     let before = stable(out);
     let page = out.join("report.html");
     let again = run(&[
@@ -109,6 +113,68 @@ fn a_second_run_keeps_everything_and_changes_nothing() {
         .filter(|(path, _)| path.as_str() != "report.html")
     {
         assert_eq!(Some(text), after.get(path), "{path}");
+    }
+}
+
+/// Outputs of the dear stages in one folder, of the cheap ones computed from them in another: the report is the same.
+#[test]
+fn a_folder_that_goes_on_from_another_one_merges_to_the_same_report() {
+    let (whole, answer) = whole();
+    let home = TempDir::new().unwrap();
+    let [dear, cheap, out] = ["dear", "cheap", "out"].map(|name| home.path().join(name));
+    let plan: serde_json::Value = serde_json::from_str(&run(&["plan"]).stdout).unwrap();
+    for task in plan["include"].as_array().unwrap() {
+        let (stage, key) = (
+            task["stage"].as_str().unwrap(),
+            task["key"].as_str().unwrap(),
+        );
+        let name = reproduction::parcel::file_name(stage, key);
+        let folders: &[&PathBuf] = match stage {
+            "audit" | "identification" => &[&dear, &cheap],
+            "gait" | "diagnosis" => &[&dear],
+            _ => &[],
+        };
+        for folder in folders {
+            fs::create_dir_all(folder).unwrap();
+            fs::copy(whole.join(".cache").join(&name), folder.join(&name)).unwrap();
+        }
+    }
+    let [dear, cheap, out] = [&dear, &cheap, &out].map(|folder| folder.to_str().unwrap());
+    let ran = run(&[
+        "run-task",
+        "validation",
+        "materials",
+        "envelope",
+        "--out",
+        cheap,
+    ]);
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let there = ran
+        .stdout
+        .lines()
+        .filter(|line| line.ends_with("(was there)"));
+    assert_eq!(there.count(), 2, "audit and identification: {}", ran.stdout);
+    let like = whole.to_str().unwrap();
+    let merged = run(&["merge", dear, cheap, "--out", out, "--like", like]);
+    assert_eq!(merged.code, answer.code, "{}", merged.stderr);
+    assert!(
+        merged
+            .stdout
+            .contains("like      results, tables, figures and page are equal"),
+        "{}",
+        merged.stdout
+    );
+}
+
+fn copy(from: &Path, to: &Path) {
+    fs::create_dir_all(to).unwrap();
+    for entry in fs::read_dir(from).unwrap().map(Result::unwrap) {
+        let target = to.join(entry.file_name());
+        if entry.path().is_dir() {
+            copy(&entry.path(), &target);
+        } else {
+            fs::copy(entry.path(), target).unwrap();
+        }
     }
 }
 
@@ -220,7 +286,7 @@ fn against_a_report_with_one_altered_value_names_it_and_what_it_flips() {
             old.to_str().unwrap(),
         ]);
         let said = &answer.stdout;
-        assert!(said.contains(": 1 values changed"), "{said}");
+        assert!(said.contains(": 1 value changed"), "{said}");
         assert!(said.contains(&format!("  {id}: {number} -> ")), "{said}");
         assert!(said.contains(flips), "{said}");
     }

@@ -49,6 +49,7 @@ pub(super) fn context(document: &Document, lookup: &Lookup<'_>) -> Result<Value,
     };
     Ok(context! {
         board => board(document),
+        short => short(document, lookup)?,
         claims,
         deviations,
         audit,
@@ -92,6 +93,19 @@ fn board(document: &Document) -> Vec<Value> {
                 count => ids.len(),
                 ids,
             }
+        })
+        .collect()
+}
+
+/// The claims on which something was decided, in a line each: what the paper contradicts, what differs, what is reproduced.
+fn short(document: &Document, lookup: &Lookup<'_>) -> Result<Vec<Value>, Error> {
+    let told = [Verdict::Contradicted, Verdict::Differs, Verdict::Reproduced];
+    let of = |verdict| move |claim: &&ClaimRow| claim.verdict == verdict;
+    told.into_iter()
+        .flat_map(|verdict| document.claims.iter().filter(of(verdict)))
+        .map(|claim| {
+            let text = lookup.inline(&claim.claim, &format!("claim {}", claim.id))?;
+            Ok(context! { id => &claim.id, verdict => verdict_view(claim.verdict), claim => safe(text) })
         })
         .collect()
 }

@@ -401,15 +401,9 @@ mod tests {
     use super::*;
     use crate::published::Published;
 
-    fn published() -> Published {
-        let path =
-            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/published.toml");
-        Published::read(&path).unwrap()
-    }
-
     #[test]
     fn halving_the_step_of_a_ramp_changes_nothing_that_is_reported() {
-        let published = published();
+        let published = Published::shipped();
         let book = Book::new(&published);
         let law = bristle(&book, "table1", -0.28, Placement::AllTerms).unwrap();
         let coarse = law.ramp(0.006, 10.0, RAMP_STEPS / 2);
@@ -421,7 +415,7 @@ mod tests {
 
     #[test]
     fn a_ramp_ends_in_the_steady_state_of_its_last_speed() {
-        let published = published();
+        let published = Published::shipped();
         let book = Book::new(&published);
         let law = bristle(&book, "table2.ceramic", -0.28, Placement::AllTerms).unwrap();
         let end = law.ramp(0.006, 10.0, RAMP_STEPS).pop().unwrap();
@@ -430,7 +424,7 @@ mod tests {
 
     #[test]
     fn exchange_of_direction_and_sign_of_the_lean_is_a_symmetry() {
-        let published = published();
+        let published = Published::shipped();
         let book = Book::new(&published);
         let law = bristle(&book, "table2.nylon", -0.28, Placement::StiffnessOnly).unwrap();
         let mirrored = Bristle { lean: 0.28, ..law };

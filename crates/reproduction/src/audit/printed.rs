@@ -121,7 +121,7 @@ fn masses(book: &mut Book<'_>) -> Result<(), PublishedError> {
         subject: "Masses of the two specimens",
         locator: "Section 2",
         sum: format!(
-            "({} - {}) g shared by the added brushes: {}",
+            "{} less {}, shared by the added brushes: {}",
             shown("brush.mass_3x3"),
             shown("brush.mass_2x2"),
             parts.join("; ")

@@ -269,16 +269,10 @@ fn one_lean(printed: &Printed) -> Worlds {
 mod tests {
     use crate::published::Published;
 
-    fn published() -> Published {
-        let path =
-            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/published.toml");
-        Published::read(&path).unwrap()
-    }
-
     /// The first combination is the choice of the audit itself: another path to its own numbers.
     #[test]
     fn the_first_world_is_the_audit_itself() {
-        let published = published();
+        let published = Published::shipped();
         let audit = super::super::examine(&published).unwrap();
         let mut tried = 0;
         for (claim, worlds) in super::super::worlds(&published).unwrap() {
@@ -309,7 +303,7 @@ mod tests {
 
     #[test]
     fn the_worst_reading_of_the_claim_on_the_lean_is_among_its_worlds() {
-        let published = published();
+        let published = Published::shipped();
         let audit = super::super::examine(&published).unwrap();
         let id = "audit.lean.largest_residual";
         let own = audit.values.iter().find(|value| value.id == id).unwrap();

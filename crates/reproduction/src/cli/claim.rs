@@ -4,7 +4,8 @@ mod budget;
 
 use report::Verdict;
 
-use super::reproduce::{Inputs, disagreements, needed};
+use super::inputs::Inputs;
+use super::reproduce::{disagreements, needed};
 use super::root::out;
 use super::{ClaimArguments, Failure, Outcome};
 use crate::claims::Claim;
@@ -15,7 +16,7 @@ use crate::judge::Check;
 use crate::judgements::Judged;
 use crate::names::nearest;
 use crate::results::{Results, interval, stated};
-use crate::stages;
+use crate::{cache, stages};
 
 pub(super) fn run(arguments: &ClaimArguments) -> Result<Outcome, Failure> {
     match (&arguments.budget, &arguments.id) {
@@ -47,7 +48,7 @@ fn one(arguments: &ClaimArguments, id: &str) -> Result<Outcome, Failure> {
         return Err(Failure::Output("the claim was not judged".to_owned()));
     };
     tell(&claim, judged, &results);
-    let costs = Costs::read(&inputs.root, &folder).map_err(Failure::input)?;
+    let costs = Costs::read(&inputs.root, &cache::folder(&folder)).map_err(Failure::input)?;
     println!("cost       {}", cost(&claim, &results, &costs));
     let disagreements = disagreements(&only(&results, &claim));
     for disagreement in &disagreements {
@@ -93,7 +94,7 @@ fn tell(claim: &Claim, judged: &Judged, results: &Results) {
     }
     if let Some(multiverse) = results.multiverses.get(&claim.id) {
         println!(
-            "choices    holds in {} of {} combinations; the report lists them",
+            "choices    the same verdict in {} of {} combinations; the report lists them",
             multiverse.holds, multiverse.of
         );
     }

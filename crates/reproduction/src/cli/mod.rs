@@ -6,10 +6,15 @@ mod coverage;
 mod diagnose;
 mod files;
 mod identify;
+mod inputs;
+mod left;
+mod merge;
 mod output;
 mod packages;
+mod plan;
 mod reproduce;
 mod root;
+mod run_task;
 mod simulate;
 mod twice;
 
@@ -57,7 +62,7 @@ impl Failure {
     propagate_version = true
 )]
 #[command(
-    after_help = "stand-ins [--check]  regenerates the stand-in campaigns, or checks that they are what the recipe makes\n\nExit codes: 0 done; 1 verdicts or values on shipped data are not the pinned ones, or two runs (--twice) differ; 2 bad input or usage; 3 no result could be written."
+    after_help = "stand-ins [--check]  regenerates the stand-in campaigns, or checks that they are what the recipe makes\n\nExit codes: 0 done; 1 verdicts or values on shipped data are not the pinned ones, or two runs (--twice, --like) differ; 2 bad input or usage; 3 no result could be written."
 )]
 struct Cli {
     /// Threads to compute with; any number gives the same bytes.
@@ -73,6 +78,12 @@ enum Command {
     Reproduce(ReproduceArguments),
     /// Runs only what one claim needs; prints its verdict, evidence and cost. With --budget, the claims that say most.
     Claim(ClaimArguments),
+    /// Prints the stages as tasks for several machines, with needs, keys and costs, as JSON: a matrix of GitHub Actions.
+    Plan(PlanArguments),
+    /// Computes stages and what they need, and leaves their outputs in a folder for `merge`.
+    RunTask(RunTaskArguments),
+    /// Makes the report from the outputs of several machines; refuses what does not fit.
+    Merge(MergeArguments),
     /// Identifies the parameters of a law from a campaign.
     Identify(IdentifyArguments),
     /// Says what the simulation gets wrong in a campaign, why, and what an extended model gains.
@@ -87,29 +98,88 @@ enum Command {
     Bench(BenchArguments),
 }
 
-#[derive(Debug, Args)]
-struct ReproduceArguments {
-    /// Folder for the report, the results, tables and figures.
-    #[arg(long, value_name = "DIR", default_value = "target/reproduction")]
-    out: PathBuf,
+/// What results are made from, besides the printed numbers.
+#[derive(Clone, Debug, Args)]
+struct Basis {
     /// Folder whose subfolders replace the stand-ins of the same name.
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
-    /// Runs one stage and what it needs.
-    #[arg(long, value_name = "NAME")]
-    stage: Option<String>,
     /// An extended model to use beside the paper's.
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// Fewer starts and repetitions: for a look, not for the record.
     #[arg(long)]
     quick: bool,
+}
+
+#[derive(Debug, Args)]
+struct ReproduceArguments {
+    /// Folder for the report, the results, tables and figures.
+    #[arg(long, value_name = "DIR", default_value = "target/reproduction")]
+    out: PathBuf,
+    /// Runs this stage and what it needs; may be given several times.
+    #[arg(long, value_name = "NAME")]
+    stage: Vec<String>,
+    #[command(flatten)]
+    basis: Basis,
     /// Computes everything in two processes, with one thread and with all, and compares what they leave byte for byte.
     #[arg(long)]
     twice: bool,
     /// An earlier report to compare with.
     #[arg(long, value_name = "OLD.html")]
     against: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Prints {\"include\": [...]}, one entry for each task in the order of the report. Without --shards an entry has `stage`, `title`, `needs`, `key` and `seconds`; with it `shard`, `stages` (words for run-task) and `seconds`. Nothing is computed. Seconds are those of the machine that measured data/costs.json."
+)]
+struct PlanArguments {
+    /// Plans this stage and what it needs; may be given several times.
+    #[arg(long, value_name = "NAME")]
+    stage: Vec<String>,
+    #[command(flatten)]
+    basis: Basis,
+    /// Packs the tasks into at most N bundles of like cost; no bundle needs another one's output.
+    #[arg(long, value_name = "N")]
+    shards: Option<std::num::NonZeroUsize>,
+}
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "What the folder holds already is not computed again, so a task whose needs another machine computed takes their files from there. The program is part of every key: build once and copy the executable (target/release/bristle), or build the same commit in the same folder with the same compiler."
+)]
+struct RunTaskArguments {
+    /// Stages of the plan.
+    #[arg(required = true, value_name = "STAGE")]
+    stages: Vec<String>,
+    /// Folder for the outputs, one file a stage; it can be copied anywhere.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    #[command(flatten)]
+    basis: Basis,
+}
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Refused (exit code 2): an output that is damaged or altered, that was made by another program or from other inputs, one that is missing, and two outputs of one stage that are not equal byte for byte (the first difference is named)."
+)]
+struct MergeArguments {
+    /// Folders that `run-task` filled.
+    #[arg(required = true, value_name = "DIR")]
+    folders: Vec<PathBuf>,
+    /// Folder for the report, the results, tables and figures.
+    #[arg(long, value_name = "DIR", default_value = "target/reproduction")]
+    out: PathBuf,
+    /// Merges this stage and what it needs; may be given several times.
+    #[arg(long, value_name = "NAME")]
+    stage: Vec<String>,
+    #[command(flatten)]
+    basis: Basis,
+    /// What one process left (`reproduce --out DIR` with the same options): says whether the merged bytes are the same, and
+    /// ends with code 1 where they are not.
+    #[arg(long, value_name = "DIR")]
+    like: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
@@ -221,6 +291,9 @@ pub fn main() -> ExitCode {
     let outcome = match cli.command {
         Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::Claim(arguments) => claim::run(&arguments),
+        Command::Plan(arguments) => plan::run(&arguments),
+        Command::RunTask(arguments) => run_task::run(&arguments),
+        Command::Merge(arguments) => merge::run(&arguments),
         Command::Check(arguments) => packages::check(&arguments),
         Command::Init(arguments) => packages::init(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),

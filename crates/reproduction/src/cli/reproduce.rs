@@ -4,114 +4,24 @@ use std::path::Path;
 
 use report::{NegativeControl, Verdict};
 
-use super::root::{out, root};
+use super::inputs::{Inputs, stages_named};
+use super::root::out;
 use super::{Failure, Outcome, ReproduceArguments, output, twice};
-use crate::cache::{Cache, program_identity};
-use crate::campaigns::Campaigns;
-use crate::claims::{self, Claim};
+use crate::claims::Claim;
 use crate::compose::{self, Surroundings};
 use crate::costs::Costs;
-use crate::engine::{Engine, closure};
-use crate::names::nearest;
-use crate::numbers::{self, Coverage};
-use crate::published::Published;
+use crate::engine::closure;
+use crate::numbers::Coverage;
 use crate::results::Results;
-use crate::stage::{ModelText, Stage};
-use crate::watch::Watch;
-use crate::{against, controls, provenance, stages};
-
-/// What every command reads that runs stages.
-pub(super) struct Inputs {
-    pub(super) root: std::path::PathBuf,
-    pub(super) published: Published,
-    pub(super) published_hash: String,
-    pub(super) claims: Vec<Claim>,
-    pub(super) numbers: Coverage,
-    pub(super) campaigns: Campaigns,
-}
-
-impl Inputs {
-    /// Reads published numbers and claims, and finds the campaigns.
-    pub(super) fn read(data: Option<&Path>) -> Result<Self, Failure> {
-        let root = root()?;
-        let path = root.join("data/published.toml");
-        let text = std::fs::read_to_string(&path)
-            .map_err(|error| Failure::Input(format!("{}: {error}", path.display())))?;
-        let published = Published::parse(&text).map_err(Failure::input)?;
-        let claims = claims::read(&root.join("data/claims.toml")).map_err(Failure::input)?;
-        let others =
-            numbers::read(&root.join("data/other-numbers.toml")).map_err(Failure::input)?;
-        Ok(Self {
-            numbers: numbers::coverage(&published, &claims, &others),
-            published,
-            published_hash: blake3::hash(text.as_bytes()).to_hex().to_string(),
-            claims,
-            campaigns: Campaigns::new(&root.join("data/campaigns"), data)
-                .map_err(Failure::input)?,
-            root,
-        })
-    }
-
-    /// Runs stages, keeping their outputs under `out`.
-    pub(super) fn run(
-        &self,
-        stages: &[&'static dyn Stage],
-        out: &Path,
-        model: Option<&ModelText>,
-        quick: bool,
-    ) -> Result<Results, Failure> {
-        let watch = Watch::new();
-        let engine = Engine {
-            published: &self.published,
-            published_hash: self.published_hash.clone(),
-            campaigns: &self.campaigns,
-            model,
-            quick,
-            program: program_identity().map_err(Failure::output)?,
-            cache: Cache::new(&out.join(".cache")),
-            watch: &watch,
-        };
-        let finished = engine.run(stages);
-        // A run whose times cannot be kept is a run all the same.
-        if let Err(problem) = Costs::record(out, &finished) {
-            eprintln!("the times of the stages cannot be kept: {problem}");
-        }
-        Results::new(finished, &self.claims, &self.published).map_err(Failure::input)
-    }
-
-    /// Opens every campaign that the stages need: bad input is refused before anything is computed.
-    pub(super) fn open_all(
-        &self,
-        stages: &[&'static dyn Stage],
-    ) -> Result<Vec<(String, &'static str)>, Failure> {
-        let mut names: Vec<&str> = stages
-            .iter()
-            .flat_map(|stage| stage.needs().campaigns)
-            .copied()
-            .collect();
-        names.sort_unstable();
-        names.dedup();
-        names
-            .into_iter()
-            .map(|name| {
-                let campaign = self.campaigns.open(name).map_err(Failure::input)?;
-                Ok((
-                    name.to_owned(),
-                    crate::evidence_of(campaign.provenance).word(),
-                ))
-            })
-            .collect()
-    }
-}
+use crate::stage::Stage;
+use crate::{against, cache, controls, provenance, stages};
 
 pub(super) fn run(arguments: &ReproduceArguments) -> Result<Outcome, Failure> {
-    let inputs = Inputs::read(arguments.data.as_deref())?;
+    let basis = &arguments.basis;
+    let inputs = Inputs::read(basis.data.as_deref())?;
     let all = stages::all();
-    let stages = match &arguments.stage {
-        Some(name) => one(&all, name)?,
-        None => all.clone(),
-    };
-    let model = arguments.model.as_deref().map(read_model).transpose()?;
+    let stages = stages_named(&all, &arguments.stage)?;
+    let model = basis.model()?;
     let old = arguments
         .against
         .as_deref()
@@ -125,9 +35,9 @@ pub(super) fn run(arguments: &ReproduceArguments) -> Result<Outcome, Failure> {
         false => None,
     };
     let mut run = provenance::run(&inputs.root);
-    let results = inputs.run(&stages, &out, model.as_ref(), arguments.quick)?;
+    let results = inputs.run(&stages, &out, model.as_ref(), basis.quick)?;
     run.finished = provenance::now();
-    let costs = Costs::read(&inputs.root, &out).map_err(Failure::input)?;
+    let costs = Costs::read(&inputs.root, &cache::folder(&out)).map_err(Failure::input)?;
     run.seconds = results.seconds(&costs, |claim| needed(&all, claim));
     let rules = against::Rules {
         claims: &inputs.claims,
@@ -157,7 +67,7 @@ pub(super) fn run(arguments: &ReproduceArguments) -> Result<Outcome, Failure> {
         twice: twice.clone(),
         published: inputs.published.clone(),
         numbers: inputs.numbers.clone(),
-        quick: arguments.quick,
+        quick: basis.quick,
     };
     let document = compose::document(&results, surroundings);
     output::write(&out, &results, &document, &run)?;
@@ -167,7 +77,7 @@ pub(super) fn run(arguments: &ReproduceArguments) -> Result<Outcome, Failure> {
     if let Some(twice) = &twice {
         println!("twice     {}", twice.words());
     }
-    let shipped = arguments.data.is_none() && arguments.model.is_none();
+    let shipped = basis.data.is_none() && basis.model.is_none();
     let disagreements = if shipped {
         disagreements(&results)
     } else {
@@ -184,17 +94,6 @@ pub(super) fn run(arguments: &ReproduceArguments) -> Result<Outcome, Failure> {
     })
 }
 
-/// A stage by name with what it needs.
-fn one(all: &[&'static dyn Stage], name: &str) -> Result<Vec<&'static dyn Stage>, Failure> {
-    if all.iter().any(|stage| stage.id() == name) {
-        return Ok(closure(all, &[name]));
-    }
-    let near = nearest(name, all.iter().map(|stage| stage.id()));
-    Err(Failure::Input(format!(
-        "no stage is called `{name}`; the nearest name is `{near}`"
-    )))
-}
-
 /// Ids of the stages that a claim needs, with what these need.
 pub(super) fn needed(all: &[&'static dyn Stage], claim: &Claim) -> Vec<String> {
     let wanted: Vec<&str> = claim.stages.iter().map(String::as_str).collect();
@@ -204,29 +103,19 @@ pub(super) fn needed(all: &[&'static dyn Stage], claim: &Claim) -> Vec<String> {
         .collect()
 }
 
-fn read_model(path: &Path) -> Result<ModelText, Failure> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| Failure::Input(format!("{}: {error}", path.display())))?;
-    rig::ModelFile::load(path).map_err(Failure::input)?;
-    Ok(ModelText {
-        path: path.to_owned(),
-        text,
-    })
-}
-
 /// The command that makes this page again; folders are the reader's own and stay out of the page.
 fn command(arguments: &ReproduceArguments) -> String {
     let mut command = "cargo xtask reproduce".to_owned();
-    if arguments.data.is_some() {
+    if arguments.basis.data.is_some() {
         command += " --data DIR";
     }
-    if let Some(stage) = &arguments.stage {
+    for stage in &arguments.stage {
         command += &format!(" --stage {stage}");
     }
-    if arguments.model.is_some() {
+    if arguments.basis.model.is_some() {
         command += " --model FILE";
     }
-    if arguments.quick {
+    if arguments.basis.quick {
         command += " --quick";
     }
     if arguments.twice {

@@ -273,7 +273,10 @@ fn hidden_effects(benchmarks: &Benchmarks, counts: &Json, blocks: &mut Vec<Block
             add(what, &row[key]);
         }
     }
-    add("place of an alien right".into(), &counts["alien_places"]);
+    add(
+        "an error from outside the catalogue: its place right".into(),
+        &counts["alien_places"],
+    );
     add(
         "intervals of sizes that hold the truth".into(),
         &counts["coverage"]["of_95"],
@@ -321,7 +324,7 @@ fn groups(benchmarks: &Benchmarks, counts: &Json) -> Block {
         ("second_shapes", "a cause of another shape"),
         ("other_laws", "another law"),
         ("aliens", "causes outside the catalogue"),
-        ("control", "controls"),
+        ("control", "a cause that was taken out of the catalogue"),
     ];
     let rows = groups
         .iter()
@@ -345,7 +348,7 @@ fn groups(benchmarks: &Benchmarks, counts: &Json) -> Block {
     Table {
         id: "hidden-effects-groups".into(),
         title: "Answers by group of trials".into(),
-        caption: "Right: exactly the set that the protocol allows. Refused: the misfit is seen and no name is given.".into(),
+        caption: "Right: exactly the set that the protocol allows, and for what is outside the catalogue no name. Loose: the truth among more names than need be. Refused: the misfit is seen and no name is given. Missed: nothing is seen. Wrong: a name that is not the truth.".into(),
         columns: vec![
             Column::text("hidden"),
             Column::number("cases", "1"),

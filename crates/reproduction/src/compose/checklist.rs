@@ -46,7 +46,7 @@ pub(super) fn items(results: &Results, around: &Surroundings) -> Vec<CheckItem> 
             "CODECHECK",
             "Did somebody else run it, and do the outputs match?",
             Answer::Yours,
-            "Compare the identity of the results at the top with that of your own run, or give `--against` this page. On another platform the last digits may differ; [What changed](#provenance) then stands after the deviations.".to_owned(),
+            "Compare the identity of the results at the top with that of your own run, or give `--against` this page. On another platform the last digits may differ; a chapter on what changed then stands after the deviations.".to_owned(),
         ),
         (
             "Reviewer",

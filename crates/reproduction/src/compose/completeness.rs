@@ -89,7 +89,7 @@ fn table(coverage: &Coverage, published: &Published, anchors: &BTreeSet<String>)
             "printed",
             "what it is",
             "where",
-            "becomes of it",
+            "what becomes of it",
             "reason where no claim rests on it",
         ]
         .map(Column::text)

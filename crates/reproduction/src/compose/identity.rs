@@ -10,7 +10,7 @@ pub struct Prints {
     pub threads: String,
     /// Identity of the results: SHA-256 of `results.json` without `run`.
     pub results: String,
-    /// SHA-256 of all tables and figures with their names.
+    /// SHA-256 of all tables and figures and of the page outside its volatile facts, with their names.
     pub files: String,
 }
 
@@ -35,7 +35,7 @@ impl Twice {
     #[must_use]
     pub fn words(&self) -> String {
         if self.same() {
-            return "results, tables and figures are equal byte for byte".to_owned();
+            return "results, tables, figures and page are equal byte for byte".to_owned();
         }
         const SHOWN: usize = 8;
         let more = self.different.len().saturating_sub(SHOWN);
@@ -106,8 +106,8 @@ fn table(twice: &Twice) -> Table {
     Table {
         id: "bit-identity-hashes".into(),
         title: "What either process left".into(),
-        caption: "SHA-256 of the results without their volatile part, and of all tables and figures with their names.".into(),
-        columns: ["threads", "results.json", "tables and figures"]
+        caption: "SHA-256 of the results without their volatile part, and of all tables, figures and the page (without the facts of its run) with their names.".into(),
+        columns: ["threads", "results.json", "tables, figures, page"]
             .map(Column::text)
             .to_vec(),
         rows,

@@ -24,8 +24,8 @@ pub(super) fn row(
         judged.evidence,
     );
     row.locator.clone_from(&claim.locator);
-    row.published = published(claim, judged).into();
-    row.ours = typeset(&ours(&judged.checks)).into();
+    row.published = typeset(&claim.published_text).into();
+    row.ours = typeset(&ours(&judged.checks, printed)).into();
     row.comparisons = comparisons(&judged.checks);
     row.deviation = deviation(&judged.checks)
         .filter(|_| judged.verdict != Verdict::NotTestable)
@@ -54,29 +54,6 @@ pub(super) fn row(
         .collect();
     row.pinned_by = Some("crates/reproduction/tests/drift.rs".into());
     row
-}
-
-/// The paper's side: its words or numbers, and the intervals that the checks use.
-fn published(claim: &Claim, judged: &Judged) -> String {
-    let finite =
-        |check: &&Check| check.allowed.lower.is_finite() && check.allowed.upper.is_finite();
-    let printed = |check: &&Check| check.allowed.lower != 0.0 || check.allowed.upper != 0.0;
-    let intervals: Vec<String> = judged
-        .checks
-        .iter()
-        .filter(finite)
-        .filter(printed)
-        .map(|check| format!("{}: {}", check.label, interval(check.allowed, &check.unit)))
-        .collect();
-    // Several numbers stand in a table of their own.
-    if claim.published.is_empty() || intervals.is_empty() || judged.checks.len() > 1 {
-        return typeset(&claim.published_text);
-    }
-    typeset(&format!(
-        "{}. As intervals: {}",
-        claim.published_text,
-        intervals.join("; ")
-    ))
 }
 
 /// Number by number, where a claim has several.

@@ -114,12 +114,8 @@ pub fn document(results: &Results, around: Surroundings) -> Document {
     }
 }
 
-/// The answer for a reader in a hurry.
+/// What the page is, for a reader in a hurry; the board beneath it counts the verdicts.
 fn lead(results: &Results, around: &Surroundings) -> String {
-    let counts: Vec<String> = counts(results)
-        .into_iter()
-        .map(|(verdict, count)| format!("{count} {}", verdict.word()))
-        .collect();
     let synthetic = around
         .campaigns
         .iter()
@@ -139,9 +135,8 @@ fn lead(results: &Results, around: &Surroundings) -> String {
         ""
     };
     format!(
-        "{} claims: {}. {data}{quick}",
-        results.claims.len(),
-        counts.join(", ")
+        "{} claims of the paper, each beside numbers of our own, with a tolerance and its reason. {data}{quick}",
+        results.claims.len()
     )
 }
 
@@ -224,9 +219,9 @@ fn facts(results: &Results, around: &Surroundings) -> Vec<(String, String)> {
             "Stages done".into(),
             format!("{done} of {}", results.stages.len()),
         ),
-        ("Values".into(), results.values.len().to_string()),
+        ("Values computed".into(), results.values.len().to_string()),
         (
-            "Printed sums that hold".into(),
+            "Sums on printed numbers that hold".into(),
             format!("{holds} of {}", sums.len()),
         ),
         (
@@ -234,7 +229,7 @@ fn facts(results: &Results, around: &Surroundings) -> Vec<(String, String)> {
             format!("{passed} of {}", around.controls.len()),
         ),
         (
-            "Printed numbers without a place".into(),
+            "Printed numbers not accounted for".into(),
             format!(
                 "{} of {}",
                 around.numbers.unledgered.len(),
@@ -242,7 +237,7 @@ fn facts(results: &Results, around: &Surroundings) -> Vec<(String, String)> {
             ),
         ),
         (
-            "Same bytes twice".into(),
+            "Same bytes in two runs".into(),
             identity::fact(around.twice.as_ref()),
         ),
     ]

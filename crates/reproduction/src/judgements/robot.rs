@@ -50,7 +50,7 @@ pub(super) fn forward_force(
             let id = format!("envelope.gain.{pitch}");
             let printed = facts.published.interval(&id)?;
             Ok(facts.check(
-                &format!("gain at {pitch}"),
+                &format!("gain at pitch {} deg", pitch.trim_start_matches("pitch")),
                 &id,
                 printed,
                 claim.allows("points"),

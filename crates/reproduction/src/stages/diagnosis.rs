@@ -211,7 +211,7 @@ fn cord_table(rigid: &Diagnosed, corded: &Diagnosed, evidence: Evidence) -> Tabl
                     cell(&rigid.plain, k),
                     cell(&corded.plain, k),
                     cell(&corded.extension, k),
-                    p.unit.clone().into(),
+                    report::printed_unit(&p.unit).into(),
                 ]
             })
             .collect(),

@@ -268,7 +268,7 @@ fn section(
     Section {
         id: "validation".into(),
         title: "Validation: the 3x3 brush, predicted".into(),
-        lead: format!("With the parameters of the 2x2 brush and nothing refitted, the 3x3 brush is predicted to {{{{ v(\"{STEM}.nrmse_forward\") }}}} forward and {{{{ v(\"{STEM}.nrmse_reverse\") }}}} in reverse of its mean coefficient.").into(),
+        lead: format!("With the parameters of the 2x2 brush and nothing refitted, the records of the 3x3 brush are predicted with an error of {{{{ v(\"{STEM}.nrmse_forward\") }}}} of the mean coefficient forward and {{{{ v(\"{STEM}.nrmse_reverse\") }}}} in reverse.").into(),
         method: Some("The motions of the 3x3 runs, the parameters and their covariance from the 2x2 campaign, the loads as recorded. The band holds 95 % of the samples of new runs, as a mean over campaigns: uncertainty of the parameters, roughness and sensor noise as the 2x2 campaign gave them, and the scatter between runs over all that its six runs leave possible. The gains of a few runs move all their samples together, so that one campaign may lie inside as a whole.".into()),
         status: None,
         claims: ["C03", "C16", "C20"].map(String::from).to_vec(),

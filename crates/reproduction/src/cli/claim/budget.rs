@@ -10,14 +10,15 @@ use std::time::Instant;
 
 use report::Verdict;
 
-use super::super::reproduce::{Inputs, disagreements, needed};
+use super::super::inputs::Inputs;
+use super::super::reproduce::{disagreements, needed};
 use super::super::root::out;
 use super::super::{ClaimArguments, Failure, Outcome};
 use super::{judged, only};
 use crate::claims::Claim;
 use crate::costs::Costs;
 use crate::judge::Nature;
-use crate::stages;
+use crate::{cache, stages};
 
 /// How much a claim can say on the shipped data.
 fn weight(claim: &Claim) -> f64 {
@@ -127,7 +128,7 @@ pub(super) fn run(arguments: &ClaimArguments, budget: &str) -> Result<Outcome, F
         .ok_or_else(|| Failure::Input(format!("`{budget}` is no time: 90s, 10min or 1h are")))?;
     let inputs = Inputs::read(None)?;
     let folder = out(&inputs.root, &arguments.out);
-    let costs = Costs::read(&inputs.root, &folder).map_err(Failure::input)?;
+    let costs = Costs::read(&inputs.root, &cache::folder(&folder)).map_err(Failure::input)?;
     let all = stages::all();
     let candidates: Vec<Candidate> = inputs
         .claims

@@ -138,8 +138,8 @@ pub(super) fn paths(motion: &Motion, biped: &biped::parameters::Biped) -> Figure
     };
     let torso = motion.samples.iter().map(|s| [s.q[0], s.q[1]]).collect();
     let plot = LinePlot {
-        x: Axis::new("x", "m"),
-        y: Axis::new("y", "m"),
+        x: Axis::new("way", "m"),
+        y: Axis::new("height", "m"),
         series: vec![
             Series::line("torso", Ink::Muted, torso),
             Series::line("front foot", Ink::Slot(4), foot(Leg::Front)),

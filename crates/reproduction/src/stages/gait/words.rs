@@ -1,5 +1,6 @@
 //! What the gait stage says. Numbers come by their ids.
 
+use biped::gait::catalogue::FINE_WEIGHTS;
 use report::{Block, NoticeKind, Section, Value};
 
 fn has(values: &[Value], id: &str) -> bool {
@@ -101,11 +102,7 @@ pub(super) fn section(figures: Vec<Block>, values: &[Value], quick: bool) -> Sec
          hides strikes between the points and runs faster than the same problem allows on finer intervals.",
     ));
     if has(values, "gait.mesh.worst_speed_change") {
-        blocks.push(Block::prose(
-            "With every interval halved the speeds change by up to {{ v(\"gait.mesh.worst_speed_change\", 2) }}: that is the error \
-             bar of the speeds. At the smallest weight the gain goes from {{ v(\"gait.mesh.gain.own.qv-0.01\", 3) }} to \
-             {{ v(\"gait.mesh.gain.halved.qv-0.01\", 3) }}.",
-        ));
+        blocks.push(Block::prose(finer_mesh(values)));
     }
     let lead = "On the compliant contact the best strides reach {{ v(\"gait.best_speed.symmetric\", 4) }} with the symmetric, \
                 {{ v(\"gait.best_speed.asymmetric\", 4) }} with the asymmetric brush and \
@@ -127,4 +124,27 @@ pub(super) fn section(figures: Vec<Block>, values: &[Value], quick: bool) -> Sec
         claims: vec!["C10".into(), "C11".into(), "C22".into()],
         blocks,
     }
+}
+
+/// What halving every interval does to the speeds, and to the gain at every weight at which it was tried.
+fn finer_mesh(values: &[Value]) -> String {
+    let gains: Vec<String> = FINE_WEIGHTS
+        .into_iter()
+        .filter(|weight| has(values, &format!("gait.mesh.gain.halved.qv-{weight}")))
+        .map(|weight| {
+            let [own, halved] = ["own", "halved"]
+                .map(|mesh| format!("{{{{ v(\"gait.mesh.gain.{mesh}.qv-{weight}\", 3) }}}}"));
+            format!("from {own} to {halved} at $Q_v$ = {weight}")
+        })
+        .collect();
+    let gains = match gains.as_slice() {
+        [] => String::new(),
+        some => format!(
+            " The gain, a small difference of two speeds, goes {}.",
+            some.join(", ")
+        ),
+    };
+    format!(
+        "With every interval halved the speeds change by up to {{{{ v(\"gait.mesh.worst_speed_change\", 2) }}}}: that is the error bar of the speeds.{gains}"
+    )
 }

@@ -1,10 +1,10 @@
 //! The claims about the gait over what the paper leaves open: contact, limits, target, and whether a stride must end as fast as
-//! it began.
+//! it began; and over the mesh on which a stride is integrated.
 
 use std::collections::BTreeMap;
 
 use biped::gait::catalogue::{
-    CONTACT, Choice, LOSSES, MAP_WEIGHT, Mount, Name, STIFFNESSES, WEIGHTS,
+    CONTACT, Choice, FINE_WEIGHTS, LOSSES, MAP_WEIGHT, Mount, Name, STIFFNESSES, WEIGHTS,
 };
 use report::Value;
 
@@ -55,14 +55,14 @@ pub(super) fn all(
         (
             "C11",
             worlds(
-                "contact and limits (one weight, Q_v = 1, where no mean is named)",
+                "contact, limits and mesh (Q_v = 1 where neither weight nor mean is named)",
                 speeds.into_iter(),
             ),
         ),
         (
             "C22",
             worlds(
-                "stride (one weight, Q_v = 1, where no mean is named)",
+                "stride (Q_v = 1 where neither weight nor mean is named)",
                 gains.into_iter(),
             ),
         ),
@@ -79,7 +79,7 @@ fn worlds(axis: &str, options: impl Iterator<Item = World>) -> Worlds {
     }
 }
 
-/// Contacts of the map, then the other choices, at the upper target; names of the symmetric brush.
+/// Contacts of the map, then the other choices, then the finer mesh, at the upper target; names of the symmetric brush.
 fn open_choices(targets: &Targets) -> Vec<(String, Name)> {
     let cells = STIFFNESSES
         .into_iter()
@@ -92,7 +92,14 @@ fn open_choices(targets: &Targets) -> Vec<(String, Name)> {
         let name = Name::compliant(CONTACT, Mount::Symmetric, MAP_WEIGHT, targets.high);
         (choice.id().replace('-', " "), name.with_choice(choice))
     });
-    cells.chain(choices).collect()
+    let finer = FINE_WEIGHTS.into_iter().map(|weight| {
+        let name = Name::compliant(CONTACT, Mount::Symmetric, weight, targets.high);
+        (
+            format!("every interval halved, Q_v {weight}"),
+            name.with_choice(Choice::FineMesh),
+        )
+    });
+    cells.chain(choices).chain(finer).collect()
 }
 
 fn speeds(solved: &[Solved], name: Name) -> BTreeMap<String, Point> {

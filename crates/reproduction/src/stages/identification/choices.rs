@@ -9,7 +9,8 @@
 //! ```
 //!
 //! At the end the residuals are those of the other integrator; only the derivatives that lead there are not its own. Most of
-//! the way is foreseen on smooth predictions; the last step is a fit to the record.
+//! the way is foreseen on smooth predictions; the last step is a fit to the record. All fits of one combination share the
+//! noise that the program's own integrator found, so that the axis moves nothing but the integrator.
 
 use std::collections::BTreeMap;
 
@@ -136,7 +137,8 @@ impl Choice {
             else {
                 break;
             };
-            let asked = question.clone().near(&foreseen);
+            let mut asked = question.clone().under_noise_of(own);
+            asked = asked.near(&foreseen);
             let recorded = less(&material.campaign, &added);
             let next = identify(&recorded, &asked).map_err(failed)?;
             if !next.status.converged() {

@@ -50,13 +50,24 @@ pub(super) fn force_against_time(one: &Identified) -> Figure {
     Figure::new(
         "identified-force-time",
         "Friction force in a ramp, three repeats each way",
-        stamped(one.evidence, "The brush bends over the first second, then slides; the two levels are the direction dependence."),
+        stamped(
+            one.evidence,
+            "The brush bends, then slides; the two levels are the direction dependence.",
+        ),
         one.evidence,
-        LinePlot::new(Axis::new("time", "s"), Axis::new("friction force", "N"), series),
+        LinePlot::new(
+            Axis::new("time", "s"),
+            Axis::new("friction force", "N"),
+            series,
+        ),
         provenance("force_against_time", one),
     )
     .with_paper("Fig. 5")
-    .with_paper_limits([0.0, 10.0], [0.0, 1.1 * top], "0 to 10 s: the ramp of the protocol; the force axis is ours")
+    .with_paper_limits(
+        [0.0, 10.0],
+        [0.0, 1.1 * top],
+        "0 to 10 s: the ramp of the protocol; the force axis is ours",
+    )
     .with_claims(&["C02", "C04"])
 }
 
@@ -109,7 +120,7 @@ pub(super) fn residual(one: &Identified) -> Figure {
         .collect();
     let mut plot = LinePlot::new(
         Axis::new("speed", "mm/s"),
-        Axis::new("record less fit", "1"),
+        Axis::new("coefficient, record less fit", "1"),
         series,
     );
     if let Some(floor) = one.found.quality.floor_rmse {
@@ -129,7 +140,8 @@ pub(super) fn residual(one: &Identified) -> Figure {
     .with_claims(&["C02"])
 }
 
-/// sqrt of the deviance against each parameter's distance from its estimate, by the profiles that gave the intervals.
+/// Root of the deviance against each parameter's distance from its estimate, by the profiles that gave the intervals. The
+/// root of a parabola is a straight line, so what is drawn between the few points that were computed is nearly true.
 pub(super) fn profiles(one: &Identified) -> Figure {
     let series = one
         .found
@@ -140,24 +152,24 @@ pub(super) fn profiles(one: &Identified) -> Figure {
             let best = one.found.value(name).unwrap_or(f64::NAN);
             let line: Vec<[f64; 2]> = points
                 .iter()
-                .map(|p| [100.0 * (p.value / best - 1.0), p.deviance.max(0.0)])
+                .map(|p| [100.0 * (p.value / best - 1.0), p.deviance.max(0.0).sqrt()])
                 .collect();
             Series::line(name, Ink::Slot(k as u8), line).marked(report::figure::Mark::LinePoints)
         })
         .collect();
     let mut plot = LinePlot::new(
         Axis::new("distance from the estimate", "%"),
-        Axis::new("loss of fit (twice the log-likelihood)", "1"),
+        Axis::new("root of the loss of fit (twice the log-likelihood)", "1"),
         series,
     );
     plot.rules = vec![Rule::Horizontal(
-        fitting::criteria::t_quantile(identification::LEVEL, f64::INFINITY).powi(2),
+        fitting::criteria::t_quantile(identification::LEVEL, f64::INFINITY),
         "95 %, noise known".into(),
     )];
     Figure::new(
         "identified-profiles",
         "Profile likelihood of every parameter",
-        stamped(one.evidence, "One parameter held, all others refitted. A narrow valley is a well-determined parameter. Each interval ends where its curve reaches the squared t quantile of its own degrees of freedom, at or above the line."),
+        stamped(one.evidence, "One parameter held, all others refitted. A narrow valley is a well-determined parameter. Each interval ends where its curve reaches the t quantile of its own degrees of freedom, at or above the line."),
         one.evidence,
         plot,
         provenance("profiles", one),
@@ -245,7 +257,7 @@ pub(super) fn spectrum(one: &Identified, paper: &PaperForm) -> Figure {
         stamped(one.evidence, "Singular values of the whitened sensitivities, each parameter moved by its own size. In the paper's parameters the last one is zero to rounding: a direction in which nothing measurable changes."),
         one.evidence,
         LinePlot::new(
-            Axis::new("number", ""),
+            Axis::new("place in the spectrum", ""),
             Axis::new("singular value", "1").log(),
             series,
         ),

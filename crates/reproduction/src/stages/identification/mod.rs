@@ -299,7 +299,7 @@ fn section(
         Block::heading("identification-cord", "The cord"),
         sweep.figure().into(),
         sweep.table().into(),
-        Block::prose(CORD_WORDS),
+        Block::prose(sweep.words()),
         Block::heading("identification-laws", "All laws on the same data"),
         tables::laws(aluminium, laws).into(),
         Block::prose(LAWS_WORDS),
@@ -324,7 +324,5 @@ const FIT_WORDS: &str = "Residual in all runs: {{ v(\"identification.aluminium.r
 const RAY_WORDS: &str = "E3 holds $\\sigma$, $\\theta_c$, $\\theta_s$ only in the ratios $\\theta_c/\\sigma$ and $\\theta_s/\\sigma$. Multiplied by any common factor they change no force: over two decades of that factor twice the log-likelihood moves by {{ n(\"identification.paper_form.ray_deviance\") }}, while 6 % on $\\sigma_0$ moves it by {{ n(\"identification.paper_form.contrast_deviance\") }}. The sensitivities have rank {{ n(\"identification.paper_form.rank\") }} for {{ n(\"identification.paper_form.parameters\") }} parameters. Table 1's $\\sigma$ is therefore no property of the brush: an optimiser leaves it near where it began. Only the ratios may be compared with a measurement, or carried to a robot.";
 
 const LEAN_WORDS: &str = "The paper measured the lean and does not print it. Held at what its steady coefficients ask for ([table of leans](#lean-brackets)), the other parameters move: $\\sigma_0$ and $\\theta_0$ share the factor $\\cos^2(\\theta+\\theta_0)$, and an error in one is paid by the other. With both directions in the record the lean is identifiable; with one direction it would not be.";
-
-const CORD_WORDS: &str = "This campaign was recorded through an elastic cord. Fitted as if the cord were rigid, the curves still look good by eye, with a residual of {{ v(\"identification.cord.rigid.rmse\") }}, but $\\theta_s/\\sigma$ comes out at {{ v(\"identification.cord.rigid.theta_s_over_sigma\") }} and $\\sigma_1$ at {{ v(\"identification.cord.rigid.sigma1\") }}. The likelihood is highest with a cord of {{ v(\"identification.cord.best_stiffness\") }} among those tried. The paper gives no stiffness: Table 1 may hold the cord as well as the brush.";
 
 const LAWS_WORDS: &str = "Only a law with a lean can give two levels of friction in two directions; every other law here returns the mean of both and pays for it on held-out runs. Akaike's criterion counts the noise's own parameters, because a law that misses the record drives them up.";

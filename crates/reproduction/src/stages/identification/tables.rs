@@ -81,7 +81,7 @@ pub(super) fn parameters(one: &Identified) -> Table {
     Table {
         id: "identified-parameters".into(),
         title: "Parameters of the asymmetric law, 2x2 brush on aluminium".into(),
-        caption: "95 % intervals by profile likelihood. Gain: share of the variance that comes from the gains of the runs; freedom: degrees of freedom of the t quantile. The bootstrap over three repeats a direction is printed as a diagnostic: it is known to be too narrow with so few runs.".into(),
+        caption: "95 % intervals by profile likelihood. Gain: share of the variance that comes from the gains of the runs; freedom: degrees of freedom of the t quantile. The bootstrap (percentiles over resampled runs) is printed as a diagnostic: with so few runs it is too narrow and may leave out the estimate itself.".into(),
         columns: vec![
             Column::text("parameter"),
             Column::number("value and 95 % interval", ""),
