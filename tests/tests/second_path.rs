@@ -87,6 +87,9 @@ fn catalogue_and_planted_mechanisms_agree() {
             (Protocol::Drive, 0.05),
         ] {
             let Some(share) = disagreement_of(id, protocol, size) else {
+                // What a brush under loads does not show, no test here compares.
+                let compared_elsewhere = protocol != Protocol::Rich || is_of_the_numbers(id);
+                assert!(compared_elsewhere, "{id} is not compared at all");
                 println!("{id} on {protocol:?}: not there");
                 continue;
             };
@@ -95,7 +98,9 @@ fn catalogue_and_planted_mechanisms_agree() {
             // force that is delayed or filtered. A ripple is carried along chords of a twelfth of its pitch.
             let tolerance = match (id, protocol) {
                 ("backlash", Protocol::Drive) => 0.05,
-                ("stage-ripple" | "sensor-lag" | "clock-offset", _) => 0.03,
+                ("stage-ripple", _) => 0.02,
+                ("sensor-lag" | "clock-offset", _) if size < 0.1 => 0.03,
+                _ if size < 0.1 => 0.02,
                 _ => 0.01,
             };
             if share.is_nan() || share >= tolerance {
@@ -108,11 +113,18 @@ fn catalogue_and_planted_mechanisms_agree() {
     assert!(disagreements.is_empty(), "{}", disagreements.join("\n"));
 }
 
-/// Distance between the planted record and the catalogue's prediction over the size of the effect, ends of runs left out;
-/// `None` where the protocol does not have the cause.
+/// Whether a cause is read off the numbers and predicts nothing.
+fn is_of_the_numbers(id: &str) -> bool {
+    diagnosis::causes::find(id)
+        .expect("in the catalogue")
+        .is_data_integrity()
+}
+
+/// Distance between the planted record and the catalogue's prediction over the size of the effect; `None` where the protocol does not have the cause.
 fn disagreement_of(id: &str, protocol: Protocol, size: f64) -> Option<f64> {
     let healthy = Case::nothing(protocol, NoiseKind::None, 21);
-    let day = healthy.clone().with(id, size, false).carry_out().ok()?;
+    let planted = healthy.clone().with(id, size, false);
+    let day = planted.carry_out().expect("a cause");
     let without = healthy.carry_out().expect("nothing");
     let effect = day.key.effects[0];
     let mut reported: BTreeMap<String, f64> = effect
@@ -168,11 +180,12 @@ fn disagreement_of(id: &str, protocol: Protocol, size: f64) -> Option<f64> {
     } else {
         clean
     };
-    // The diagnosis looks at no run's first and last sample.
+    // How long the stage took to change its acceleration at the ends of a run is in no record; the diagnosis does not look there.
+    let ends = usize::from(id == "moving-inertia");
     let looked_at: Vec<usize> = experiment
         .runs
         .iter()
-        .flat_map(|run| run.samples.start + 1..run.samples.end - 1)
+        .flat_map(|run| run.samples.start + ends..run.samples.end - ends)
         .collect();
     let norm = |a: &[f64], b: &[f64]| {
         let squares = looked_at.iter().map(|&i| (a[i] - b[i]).powi(2));

@@ -12,9 +12,10 @@ use fitting::noise::{Sizes, Whitener};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use crate::bench::{Bench, Fitted, Stand};
+use crate::bench::{Bench, Fitted};
 use crate::scan::{Scan, extended};
 use crate::selection::{Warm, is_dear, search_price, settle};
+use crate::stand::Stand;
 use crate::subset::Subset;
 
 /// Strength of the best candidate (in standard deviations) from which the law alone is not trusted: several times what

@@ -8,7 +8,7 @@ use campaign::{Campaign, InitialState};
 use fitting::noise::Sizes;
 
 use crate::answer::{Design, Hidden, NoiseFloor};
-use crate::bench::{Fitted, Stand};
+use crate::bench::Fitted;
 use crate::diagnose::{DiagnosisError, Options};
 use crate::equivalence::sine;
 use crate::floor;
@@ -16,6 +16,7 @@ use crate::intervals::unit_on_rig;
 use crate::prepare::bench;
 use crate::scan::scan_nominal;
 use crate::selection::ALPHA_NAME;
+use crate::stand::Stand;
 use crate::subset::Subset;
 use crate::tail::equivalent_z;
 use crate::ties;

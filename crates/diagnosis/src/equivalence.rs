@@ -16,11 +16,12 @@ use std::sync::OnceLock;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use crate::bench::{Bench, Fitted, Stand};
+use crate::bench::{Bench, Fitted};
 use crate::ground::{Ground, orthonormal};
 use crate::look_back::without;
 use crate::scan::{Ray, Scan, extended, scan_without};
 use crate::selection::is_dear;
+use crate::stand::Stand;
 use crate::subset::Subset;
 
 /// Distance below which no test separates two causes.

@@ -1,7 +1,7 @@
 //! The next experiment: which feasible run would separate two hypotheses, computed from their predictions.
 //!
 //! Candidate runs are simulated with both models; the distance of their predictions, in the noise's units, says what a
-//! run would tell. The cheapest that separates is proposed, else the one that tells most.
+//! run would tell. The cheapest that separates is proposed, else the one that tells clearly more than all cheaper ones.
 
 use campaign::{Campaign, Direction, InitialState, Protocol, Run};
 use fitting::noise::{Context, Sizes, Whitener};
@@ -13,6 +13,8 @@ use crate::equivalence::SEPARABLE;
 
 /// A run in which two hypotheses differ by fewer standard deviations tells nothing, and is not proposed.
 const LEAST: f64 = 2.0;
+/// A dearer run is proposed in place of a cheaper one only if it tells so many times more.
+const DEARER: f64 = 1.2;
 
 /// A proposal: what to do, and what it would tell.
 #[derive(Clone, Debug)]
@@ -64,7 +66,7 @@ pub(crate) fn propose(
                 distance,
             });
         }
-        if best.as_ref().is_none_or(|p| distance > p.distance) {
+        if best.as_ref().is_none_or(|p| distance > DEARER * p.distance) {
             best = Some(Proposal {
                 text: candidate.text.into(),
                 distance,

@@ -309,12 +309,6 @@ impl Ground {
         out
     }
 
-    /// Half the trace of S'V(s)^-1 S after projection.
-    pub(crate) fn mean_power(&self, whitened: &DMatrix<f64>, scatter: f64) -> f64 {
-        let free = self.descatter(&self.project(whitened), scatter);
-        free.norm_squared() / whitened.ncols().max(1) as f64
-    }
-
     /// Takes the model's directions out of a whitened vector.
     pub(crate) fn project_vector(&self, whitened: &DVector<f64>) -> DVector<f64> {
         whitened - &self.basis * self.basis.tr_mul(whitened)

@@ -8,8 +8,9 @@ use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::answer::Estimate;
-use crate::bench::{Bench, Fitted, Stand};
+use crate::bench::{Bench, Fitted};
 use crate::ground::orthonormal;
+use crate::stand::Stand;
 
 /// Covariance of the movable parameters at the likeliest scatter; `None` where the data leave a direction open.
 pub(crate) fn covariance(stand: &Stand) -> Option<DMatrix<f64>> {
@@ -23,12 +24,14 @@ fn covariance_at(stand: &Stand, scatter: f64) -> Option<DMatrix<f64>> {
     (basis.ncols() == whole.ncols()).then(|| &back * back.transpose())
 }
 
-/// Reported parameters of the k-th effect of a fit with their 95 % intervals, which a stand with the same effects gives.
+/// Reported parameters of the k-th effect of a fit with their 95 % intervals, which a stand with the same effects gives;
+/// `stepped`: a size, by its place among the effect's parameters, and its interval where that is not a matter of curvature.
 pub(crate) fn estimates(
     bench: &Bench<'_>,
     stand: &Stand,
     fitted: &Fitted,
     k: usize,
+    stepped: Option<(usize, [f64; 2])>,
 ) -> Vec<Estimate> {
     let span = fitted.model.span(k);
     let own = &fitted.parameters[span.clone()];
@@ -39,10 +42,12 @@ pub(crate) fn estimates(
         .map(|p| stand.columns.iter().position(|&c| c == p))
         .collect();
     let freedom = stand.ground.scatter_freedom().max(1) as f64;
+    let specs = cause.parameters_for(&bench.experiment);
     cause
         .reported(own)
         .into_iter()
-        .map(|reported| {
+        .enumerate()
+        .map(|(place, reported)| {
             let g = DVector::from_vec(reported.gradient.clone());
             let variance = |c: &Option<DMatrix<f64>>| -> Option<f64> {
                 let c = c.as_ref()?;
@@ -54,6 +59,13 @@ pub(crate) fn estimates(
                 }
                 Some(v)
             };
+            let of_steps = stepped.map(|(column, edges)| {
+                edges.map(|edge| {
+                    let mut at = own.to_vec();
+                    at[column] = edge;
+                    cause.reported(&at)[place].value
+                })
+            });
             let ci95 = match (variance(&with), variance(&without)) {
                 (Some(v), Some(v0)) if v > 0.0 => {
                     let share = ((v - v0) / v).clamp(1e-3, 1.0);
@@ -63,10 +75,16 @@ pub(crate) fn estimates(
                 }
                 _ => None,
             };
+            let bounds = specs.iter().find(|spec| spec.name == reported.name);
+            let possible = |ci: [f64; 2]| match bounds {
+                Some(spec) => ci.map(|edge| edge.clamp(spec.lower, spec.upper)),
+                None => ci,
+            };
+            let ci95 = of_steps.filter(|[lower, upper]| lower < upper).or(ci95);
             Estimate {
                 name: reported.name.into(),
                 value: reported.value,
-                ci95,
+                ci95: ci95.map(possible),
                 unit: unit_on_rig(bench, reported.unit),
             }
         })

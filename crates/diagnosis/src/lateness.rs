@@ -6,9 +6,10 @@
 //! belongs to the noise, not to a cause: it is taken from the roughness alone, near what the fitted causes suggest, and all
 //! causes are compared with it. (A filter does not shift every wavelength alike, so that the two need not agree.)
 
-use crate::bench::{Bench, Stand};
+use crate::bench::Bench;
 use crate::scan::Scan;
 use crate::selection::settle;
+use crate::stand::Stand;
 use crate::subset::Subset;
 
 /// Shares of the suggested lateness that are tried.

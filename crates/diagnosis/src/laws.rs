@@ -5,10 +5,11 @@ use rayon::prelude::*;
 use rig::Model;
 
 use crate::answer::LawFit;
-use crate::bench::{Bench, gain_matrix, scatter_deviance};
+use crate::bench::Bench;
 use crate::floor;
 use crate::samples::Samples;
 use crate::selection::Selected;
+use crate::stand::{gain_matrix, scatter_deviance};
 use crate::whole::Whole;
 
 /// A law whose rough fits stay this many times above the noise is not carried to its end: the last digits of its error decide nothing.

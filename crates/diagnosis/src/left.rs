@@ -4,11 +4,12 @@
 use nalgebra::DMatrix;
 
 use crate::answer::Place;
-use crate::bench::{Bench, Stand};
+use crate::bench::Bench;
 use crate::bursts::bursts;
 use crate::general::{self, Lack};
 use crate::marks::marks;
 use crate::selection::ALPHA_GENERAL;
+use crate::stand::Stand;
 use crate::subset::Subset;
 
 /// Of it, the share that the search for marks on the plate may spend: a mark that matters is far beyond the roughness.

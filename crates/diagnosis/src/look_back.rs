@@ -1,17 +1,21 @@
 //! What a further cause makes of the causes before it: one other cause alone may do as well as the pair, one may have become
 //! idle, and one may have been the best name only as long as its neighbour was missing.
 
-use crate::bench::{Bench, Fitted, Stand};
+use crate::bench::{Bench, Fitted};
 use crate::scan::{Scan, scan};
 use crate::selection::{
     Depth, SURVIVORS, Single, joint_fits, likely_scatter, search_price, settle, survivors,
 };
+use crate::stand::Stand;
 use crate::subset::Subset;
 
 /// Exchanges of one cause for another in one look back.
 const MOST_EXCHANGES: usize = 3;
 /// Deviance that an exchange must save: parameters are paid for, and neither cause has the right of the first.
 const EXCHANGE: f64 = 1.0;
+/// Deviance by which a model may come out worse than promised once its own noise is estimated. Beyond that the promise was made
+/// under another's noise and does not hold: the friction that scales roughness is not the same.
+const PROMISED: f64 = 20.0;
 
 /// The near miss, one other cause alone against the pair; each cause against another in its place; each against doing without.
 pub(crate) fn look_back(
@@ -49,9 +53,12 @@ pub(crate) fn look_back(
         if let Some((deviance, single)) = best
             && deviance < pair.deviance + worth
         {
-            entry.truncate(1);
             let found = Scan::empty(bench, Some(pair.sizes));
-            return settle(bench, subset, &single.fitted, &found);
+            let alone = settle(bench, subset, &single.fitted, &found)?;
+            if alone.deviance < pair.deviance + worth + PROMISED {
+                entry.truncate(1);
+                return Some(alone);
+            }
         }
     }
     // A fold starts from the causes that the whole campaign has settled on.
@@ -88,7 +95,11 @@ fn exchange(
             break;
         };
         let found = Scan::empty(bench, Some(stand.sizes));
-        stand = settle(bench, subset, &fit, &found)?;
+        let exchanged = settle(bench, subset, &fit, &found)?;
+        if exchanged.deviance > stand.deviance + PROMISED {
+            break;
+        }
+        stand = exchanged;
         // The newcomer stands last.
         let last = entry.len() - 1;
         entry[k.min(last)..].rotate_left(1);
@@ -161,7 +172,7 @@ fn replacement(
     let mut asked = survivors(bench, &found, threshold, SURVIVORS);
     // A periodic cause may take its own place with another period: among strong neighbours the wrong line may have been the highest.
     asked.retain(|c| !same(c.cause) || bench.catalogue[c.cause].is_periodic());
-    let (cause, fit, _) = joint_fits(bench, subset, &beside, &asked, 2)
+    let (cause, fit, _) = joint_fits(bench, subset, &beside, &asked, 2, &[])
         .into_iter()
         .next()?;
     // What is not seen there on its own may not come in by the back door.
@@ -198,9 +209,13 @@ pub(crate) fn drop_idle(
         let Some((_, k, fit)) = least.filter(|l| l.0 < worth) else {
             break;
         };
-        entry.remove(k.min(entry.len() - 1));
         let found = Scan::empty(bench, Some(stand.sizes));
-        stand = settle(bench, subset, &fit, &found)?;
+        let rest = settle(bench, subset, &fit, &found)?;
+        if rest.deviance > stand.deviance + worth + PROMISED {
+            break;
+        }
+        entry.remove(k.min(entry.len() - 1));
+        stand = rest;
     }
     Some(stand)
 }

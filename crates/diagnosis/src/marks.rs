@@ -8,10 +8,11 @@ use nalgebra::DMatrix;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::answer::Place;
-use crate::bench::{Bench, Stand};
+use crate::bench::Bench;
 use crate::general::Lack;
 use crate::ground::Ground;
 use crate::samples::Samples;
+use crate::stand::Stand;
 use crate::subset::Subset;
 use crate::tail::{log_chi2_tail, normal_deviate};
 

@@ -1,12 +1,13 @@
 //! Lines in a residual: the periods and frequencies at which a periodic cause is looked at closely.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use rig::Reach;
 
-use crate::bench::{Bench, Stand};
-use crate::periodic::{Family, Peak};
+use crate::bench::Bench;
+use crate::periodic::{Family, Information, Peak};
 use crate::samples::Samples;
 use crate::scan::{period, tangent};
+use crate::stand::Stand;
 use crate::subset::Subset;
 
 /// A line: frequency (1/m or Hz), and the background over which it stands (see [`crate::periodic::Peak`]).
@@ -28,10 +29,19 @@ pub(crate) struct Peaks {
     found: Vec<Looked>,
 }
 
-/// Lines of a cause that are looked at closely.
+/// Lines of a cause that are looked at closely: of a factor on friction, which the search sees as it is, and of a ripple of the
+/// speed, whose envelope is that of the middle of an octave.
 const MOST_LINES: usize = 5;
+const MOST_LINES_OF_SPEED: usize = 8;
+/// Spacings below which a frequency is slow: 8 periods over the longest stretch, which the law absorbs in part; for a ripple of the
+/// speed 32, because what it does in the moments after a start tells one phase only.
+const SLOW: f64 = 16.0;
+const SLOW_OF_SPEED: f64 = 64.0;
 /// Cycles over the longest stretch by which two lines differ: a line's own flank is no second line.
 const APART: f64 = 0.6;
+/// How many times higher than on the grid of frequencies a line may stand between them: 1.23 in one run passed evenly, more where
+/// runs over different places interfere.
+const MOST_RISE: f64 = 2.0;
 
 impl Peaks {
     pub(crate) fn none() -> Self {
@@ -51,69 +61,39 @@ impl Peaks {
         let g = stand
             .whitener
             .whiten_transposed(&free.rows(0, subset.len()).into_owned());
-        let variances = |columns: &DMatrix<f64>| -> Vec<f64> {
+        let information = |columns: &DMatrix<f64>| -> Vec<Information> {
             let white = stand.whitener.whiten_columns(columns);
             let n = white.nrows();
             let white = white.resize_vertically(n + stand.prior_rows, 0.0);
-            (0..white.ncols() / 2)
-                .map(|k| {
-                    let pair = white.columns(2 * k, 2).into_owned();
-                    stand.ground.mean_power(&pair, scatter)
+            let ground = &stand.ground;
+            let free = ground.descatter(&ground.project(&white), scatter);
+            let pairs = (0..free.ncols() / 2).map(|k| (free.column(2 * k), free.column(2 * k + 1)));
+            pairs
+                .map(|(cosine, sine)| {
+                    Information([cosine.dot(&cosine), cosine.dot(&sine), sine.dot(&sine)])
                 })
                 .collect()
         };
         let found = causes
             .iter()
             .filter_map(|&cause| {
-                let (shape, in_time) = period(bench, cause)?;
-                let coordinate = if in_time {
-                    &samples.time
-                } else {
-                    &samples.place
+                let families = families(bench, subset, &samples, stand, cause)?;
+                let most = match bench.catalogue[cause].reach() {
+                    Reach::Stage => MOST_LINES_OF_SPEED,
+                    _ => MOST_LINES,
                 };
-                let (span, step) = (
-                    longest(&samples, coordinate),
-                    widest_step(&samples, coordinate),
-                );
-                if !(span > 0.0) || !(step > 0.0) {
-                    return None;
-                }
-                // Lines closer than two samples of the fastest motion are aliases of slow ones there.
-                // Slower ones than two in a run are no period.
-                let band = (2.0 / span, 0.45 / step);
-                let mut path = 0.0;
-                let mut peaks: Vec<Peak> = Vec::new();
-                for (anchor, band) in anchors(bench, cause, band, 30.0 / span) {
-                    let (along, across) =
-                        envelope(bench, subset, stand, cause, shape, coordinate, anchor)?;
-                    let family = Family {
-                        coordinate,
-                        along: &along,
-                        across: &across,
-                        band,
-                        spacing: 0.5 / span,
-                    };
-                    path += family.path();
-                    peaks.extend(family.peaks(&g, &variances, 2 * MOST_LINES));
-                }
-                let height = |peak: &Peak| peak.statistic / peak.background;
-                peaks.sort_by(|a, b| height(b).total_cmp(&height(a)));
-                let mut lines: Vec<Line> = Vec::new();
-                for Peak {
-                    frequency,
-                    background,
-                    ..
-                } in peaks
-                {
-                    let apart = |line: &Line| (line.frequency - frequency).abs() > APART / span;
-                    if lines.len() < MOST_LINES && lines.iter().all(apart) {
-                        lines.push(Line {
-                            frequency,
-                            background,
-                        });
-                    }
-                }
-                Some(Looked { cause, lines, path })
+                let peaks: Vec<(&Family<'_>, Peak)> = families
+                    .iter()
+                    .flat_map(|family| {
+                        let peaks = family.peaks(&g, &information, 2 * most);
+                        peaks.into_iter().map(move |peak| (family, peak))
+                    })
+                    .collect();
+                Some(Looked {
+                    cause,
+                    lines: highest(peaks, &g, most),
+                    path: families.iter().map(Family::path).sum(),
+                })
             })
             .collect();
         Self { found }
@@ -157,6 +137,80 @@ impl Peaks {
         }
         self
     }
+}
+
+/// What a periodic cause may look like: bands of frequency with an envelope each; `None` where nothing passes by, or where the
+/// model has no such tangent.
+fn families<'a>(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    samples: &'a Samples,
+    stand: &Stand,
+    cause: usize,
+) -> Option<Vec<Family<'a>>> {
+    let (shape, in_time) = period(bench, cause)?;
+    let coordinate = if in_time {
+        &samples.time
+    } else {
+        &samples.place
+    };
+    let (span, step) = (
+        longest(samples, coordinate),
+        widest_step(samples, coordinate),
+    );
+    if !(span > 0.0) || !(step > 0.0) {
+        return None;
+    }
+    // Lines closer than two samples of the fastest motion are aliases of slow ones there. Slower ones than two in a run are
+    // no period.
+    let band = (2.0 / span, 0.45 / step);
+    let slow = match bench.catalogue[cause].reach() {
+        Reach::Stage => SLOW_OF_SPEED,
+        _ => SLOW,
+    };
+    anchors(bench, cause, band, 30.0 / span)
+        .into_iter()
+        .map(|(anchor, band)| {
+            let (along, across) = envelope(bench, subset, stand, cause, shape, coordinate, anchor)?;
+            Some(Family {
+                coordinate,
+                along,
+                across,
+                band,
+                spacing: 0.5 / span,
+                slow,
+            })
+        })
+        .collect()
+}
+
+/// The highest lines that stand apart. Peaks are sharpened from the highest on, until no other one can rise among them.
+fn highest(mut peaks: Vec<(&Family<'_>, Peak)>, g: &DVector<f64>, most: usize) -> Vec<Line> {
+    peaks.sort_by(|a, b| b.1.height().total_cmp(&a.1.height()));
+    let mut sharp: Vec<(f64, Peak)> = Vec::new();
+    let mut taken: Vec<Peak> = Vec::new();
+    for (family, rough) in peaks {
+        let lowest = taken.last().map_or(0.0, Peak::height);
+        if taken.len() == most && MOST_RISE * rough.height() < lowest {
+            break;
+        }
+        sharp.push((family.spacing, family.sharpened(&rough, g)));
+        sharp.sort_by(|a, b| b.1.height().total_cmp(&a.1.height()));
+        taken.clear();
+        for (spacing, peak) in &sharp {
+            // One spacing is half a cycle over the longest stretch.
+            let apart =
+                |other: &Peak| (other.frequency - peak.frequency).abs() > 2.0 * APART * spacing;
+            if taken.len() < most && taken.iter().all(apart) {
+                taken.push(*peak);
+            }
+        }
+    }
+    let line = |peak: Peak| Line {
+        frequency: peak.frequency,
+        background: peak.background,
+    };
+    taken.into_iter().map(line).collect()
 }
 
 /// Longest stretch of a coordinate in one run.

@@ -1,9 +1,16 @@
 //! Searching a residual for periods: in position (texture, a drive's pitch) and in time (an oscillating load).
 //!
 //! A periodic effect multiplies an envelope e_i (the friction force, or the force's answer to speed, complex where it
-//! answers late) by exp(2 pi i f x_i); real and imaginary part are its two columns. Its score needs u = S'W'V^-1 y, one pass over the samples a frequency with the
-//! vector g = W'(projection)V^-1 y kept. The variance of u changes slowly with f: it is computed exactly on a coarse
-//! set of frequencies and interpolated. Peaks found so are tested exactly, the search paid for by its path length.
+//! answers late) by exp(2 pi i f x_i); real and imaginary part are its two columns S. Its score statistic is
+//!
+//! ```text
+//! T(f) = u' A^-1 u,   u = S'W'V^-1 y,   A = S'W'V^-1 W S after projection (2 x 2)
+//! ```
+//!
+//! u needs one pass over the samples a frequency, with the vector g = W'(projection)V^-1 y kept. A is computed exactly at all low
+//! frequencies and at some of the others; its trace changes slowly and is interpolated. (Its two directions may be told very
+//! unequally: where an effect shows mostly in moments after a start, one phase is all that counts.) Between the grid's frequencies
+//! only the peaks that may be among the strongest are looked for; they are tested exactly, the search paid for by its path length.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -13,13 +20,15 @@ pub(crate) struct Family<'a> {
     /// Position in m or time in s, a sample.
     pub(crate) coordinate: &'a [f64],
     /// What the period multiplies, in phase with it.
-    pub(crate) along: &'a [f64],
+    pub(crate) along: Vec<f64>,
     /// The same a quarter of a period behind: a contact with a memory answers late, the more so the slower it slides.
-    pub(crate) across: &'a [f64],
+    pub(crate) across: Vec<f64>,
     /// Lowest and highest frequency, 1/m or Hz.
     pub(crate) band: (f64, f64),
     /// Spacing of frequencies: half a cycle over the longest stretch.
     pub(crate) spacing: f64,
+    /// Frequencies below so many spacings are slow: A is computed at each of them.
+    pub(crate) slow: f64,
 }
 
 /// A frequency at which the residual has a line.
@@ -31,6 +40,41 @@ pub(crate) struct Peak {
     pub(crate) statistic: f64,
     /// How many times higher its neighbours stand than noise of the assumed kind would let them: at least 1.
     pub(crate) background: f64,
+    /// A at this place of the grid.
+    information: Information,
+}
+
+/// The symmetric matrix A of one frequency: cosine with cosine, cosine with sine, sine with sine.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Information(pub(crate) [f64; 3]);
+
+impl Information {
+    /// At a share `w` of the way from one to another: its size. How its directions turn on the way is not known, both count alike.
+    fn between(self, other: Self, w: f64) -> Self {
+        let log = |one: Self| (0.5 * (one.0[0] + one.0[2])).max(1e-300).ln();
+        let size = (log(self) * (1.0 - w) + log(other) * w).exp();
+        Self([size, 0.0, size])
+    }
+
+    /// u' A^-1 u; where one direction is all that the data tell, along that one.
+    fn statistic(self, (a, b): (f64, f64)) -> f64 {
+        const ONE_DIRECTION: f64 = 1e-6;
+        let [aa, ab, bb] = self.0;
+        let trace = (aa + bb).max(1e-300);
+        let determinant = aa * bb - ab * ab;
+        if determinant > ONE_DIRECTION * trace * trace {
+            (bb * a * a - 2.0 * ab * a * b + aa * b * b) / determinant
+        } else {
+            (a * a + b * b) / trace
+        }
+    }
+}
+
+impl Peak {
+    /// How far it stands above its neighbours.
+    pub(crate) fn height(&self) -> f64 {
+        self.statistic / self.background
+    }
 }
 
 impl Family<'_> {
@@ -45,7 +89,7 @@ impl Family<'_> {
 
     /// How many of the frequencies, from the lowest on, are so slow that the law absorbs some of them.
     fn slow(&self) -> usize {
-        (SLOW - self.band.0 / self.spacing).max(0.0) as usize
+        (self.slow - self.band.0 / self.spacing).max(0.0) as usize
     }
 
     /// Cosine and sine columns of one frequency.
@@ -60,8 +104,8 @@ impl Family<'_> {
         out
     }
 
-    /// |S'g|^2 of one frequency.
-    fn power(&self, frequency: f64, g: &DVector<f64>) -> f64 {
+    /// u of one frequency.
+    fn score(&self, frequency: f64, g: &DVector<f64>) -> (f64, f64) {
         let (mut a, mut b) = (0.0, 0.0);
         for i in 0..self.along.len() {
             let (sin, cos) = (std::f64::consts::TAU * frequency * self.coordinate[i]).sin_cos();
@@ -69,23 +113,23 @@ impl Family<'_> {
             a += x * cos - y * sin;
             b += x * sin + y * cos;
         }
-        a * a + b * b
+        (a, b)
     }
 
-    /// |S'g|^2 of all frequencies: within a stretch of them each sample's phase turns by a fixed angle a frequency.
-    fn powers(&self, count: usize, g: &DVector<f64>) -> Vec<f64> {
+    /// u of all frequencies: within a stretch of them each sample's phase turns by a fixed angle a frequency.
+    fn scores(&self, count: usize, g: &DVector<f64>) -> Vec<(f64, f64)> {
         const STRETCH: usize = 64;
         let weighed = |envelope: &[f64]| -> Vec<f64> {
             envelope.iter().zip(g.iter()).map(|(e, g)| e * g).collect()
         };
-        let (x, y) = (weighed(self.along), weighed(self.across));
+        let (x, y) = (weighed(&self.along), weighed(&self.across));
         let turn: Vec<(f64, f64)> = self
             .coordinate
             .iter()
             .map(|c| (std::f64::consts::TAU * self.spacing * c).sin_cos())
             .collect();
         let starts: Vec<usize> = (0..count).step_by(STRETCH).collect();
-        let stretches: Vec<Vec<f64>> = starts
+        let stretches: Vec<Vec<(f64, f64)>> = starts
             .par_iter()
             .map(|&start| {
                 let f = self.band.0 + self.spacing * start as f64;
@@ -105,7 +149,7 @@ impl Family<'_> {
                             let (s, c) = turn[i];
                             (cos[i], sin[i]) = (cos[i] * c - sin[i] * s, sin[i] * c + cos[i] * s);
                         }
-                        a * a + b * b
+                        (a, b)
                     })
                     .collect()
             })
@@ -113,12 +157,11 @@ impl Family<'_> {
         stretches.into_iter().flatten().collect()
     }
 
-    /// The strongest lines, strongest first. `variances(columns)` is half the trace of S'V^-1 S after projection, for each pair of
-    /// columns.
+    /// The strongest peaks on the grid of frequencies, strongest first. `information(columns)` is A for each pair of columns.
     pub(crate) fn peaks(
         &self,
         g: &DVector<f64>,
-        variances: &(dyn Fn(&DMatrix<f64>) -> Vec<f64> + Sync),
+        information: &(dyn Fn(&DMatrix<f64>) -> Vec<Information> + Sync),
         most: usize,
     ) -> Vec<Peak> {
         let count = self.count();
@@ -127,24 +170,27 @@ impl Family<'_> {
         }
         let at = |i: usize| self.band.0 + self.spacing * i as f64;
         let knots = knots(count, self.slow());
-        let known: Vec<f64> = knots
+        let known: Vec<Information> = knots
             .par_chunks(TOGETHER)
             .flat_map_iter(|some| {
                 let pairs: Vec<DMatrix<f64>> = some.iter().map(|&i| self.columns(at(i))).collect();
                 let columns: Vec<_> = pairs.iter().flat_map(|p| p.column_iter()).collect();
-                variances(&DMatrix::from_columns(&columns))
+                information(&DMatrix::from_columns(&columns))
             })
-            .map(|variance| variance.max(1e-300).ln())
             .collect();
-        let powers = self.powers(count, g);
-        let values: Vec<f64> = (0..count)
+        let at_grid: Vec<Information> = (0..count)
             .map(|i| {
                 let k = knots.partition_point(|&x| x <= i).clamp(1, knots.len() - 1);
                 let (a, b) = (knots[k - 1], knots[k]);
-                let w = (i as f64 - a as f64) / (b as f64 - a as f64);
-                let log_variance = known[k - 1] * (1.0 - w) + known[k] * w;
-                powers[i] / log_variance.exp()
+                match i {
+                    _ if i == a => known[k - 1],
+                    _ if i == b => known[k],
+                    _ => known[k - 1].between(known[k], (i - a) as f64 / (b - a) as f64),
+                }
             })
+            .collect();
+        let values: Vec<f64> = (self.scores(count, g).into_iter().zip(&at_grid))
+            .map(|(u, information)| information.statistic(u))
             .collect();
         let mut order: Vec<usize> = (0..count)
             .filter(|&i| {
@@ -156,35 +202,42 @@ impl Family<'_> {
         order
             .into_iter()
             .take(most)
-            .map(|i| {
-                // Between the grid's frequencies the line may be higher: a golden section over one spacing each way.
-                let f = self.sharpen(at(i), g);
-                let gain = self.power(f, g) / self.power(at(i), g).max(1e-300);
-                Peak {
-                    frequency: f,
-                    statistic: values[i] * gain,
-                    background: background(&values, i),
-                }
+            .map(|i| Peak {
+                frequency: at(i),
+                statistic: values[i],
+                background: background(&values, i),
+                information: at_grid[i],
             })
             .collect()
     }
 
-    /// Golden section, to a hundredth of a spacing: a joint fit goes on from there.
-    fn sharpen(&self, frequency: f64, g: &DVector<f64>) -> f64 {
+    /// The same peak at its highest: between the grid's frequencies a line may rise further.
+    pub(crate) fn sharpened(&self, peak: &Peak, g: &DVector<f64>) -> Peak {
+        let height = |f: f64| peak.information.statistic(self.score(f, g));
+        let frequency = self.summit(peak.frequency, &height);
+        Peak {
+            frequency,
+            statistic: height(frequency),
+            ..*peak
+        }
+    }
+
+    /// Golden section over one spacing each way, to a hundredth of it: a joint fit goes on from there.
+    fn summit(&self, frequency: f64, height: &dyn Fn(f64) -> f64) -> f64 {
         let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
         let mut lo = (frequency - self.spacing).max(0.5 * self.band.0);
         let mut hi = frequency + self.spacing;
         let (mut a, mut b) = (hi - ratio * (hi - lo), lo + ratio * (hi - lo));
-        let (mut at_a, mut at_b) = (self.power(a, g), self.power(b, g));
+        let (mut at_a, mut at_b) = (height(a), height(b));
         while hi - lo > 0.01 * self.spacing {
             if at_a > at_b {
                 (hi, b, at_b) = (b, a, at_a);
                 a = hi - ratio * (hi - lo);
-                at_a = self.power(a, g);
+                at_a = height(a);
             } else {
                 (lo, a, at_a) = (a, b, at_b);
                 b = lo + ratio * (hi - lo);
-                at_b = self.power(b, g);
+                at_b = height(b);
             }
         }
         0.5 * (lo + hi)
@@ -218,8 +271,6 @@ fn background(values: &[f64], i: usize) -> f64 {
 
 /// Knots whose columns are whitened side by side.
 const TOGETHER: usize = 4;
-/// Frequencies below so many spacings are slow: eight periods over the longest stretch.
-const SLOW: f64 = 16.0;
 /// Knots above the lowest frequencies, at most.
 const MOST_KNOTS: usize = 64;
 

@@ -2,11 +2,12 @@
 
 use rig::Station;
 
-use crate::bench::{Bench, Stand};
+use crate::bench::Bench;
 use crate::equivalence::{Contest, Opponent};
 use crate::general::{self, Lack};
 use crate::left::lack;
 use crate::selection::{ALPHA_GENERAL, ALPHA_NAME, MOST_EFFECTS, Selected, search_price};
+use crate::stand::Stand;
 use crate::uniform::is_uniform;
 
 /// Where something is left that nothing explains, causes stay named only if they explain this share of all of it.

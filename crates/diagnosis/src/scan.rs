@@ -9,10 +9,11 @@ use nalgebra::{DMatrix, DVectorView};
 use rayon::prelude::*;
 use rig::Model;
 
-use crate::bench::{Bench, Fitted, Stand};
+use crate::bench::{Bench, Fitted};
 use crate::ground::{Direction, Score, angle, look_elsewhere};
 use crate::peaks::{Line, Peaks};
 use crate::selection::is_dear;
+use crate::stand::Stand;
 use crate::subset::Subset;
 
 /// A cause with the shape at which it scores best.
@@ -449,9 +450,15 @@ fn collect(
         };
         own.sort_by(|&a, &b| rays[a].1.log_p.total_cmp(&rays[b].1.log_p));
         let best = &rays[own[0]];
+        // Of lines that score nearly alike the fit may prefer another one.
+        let most = if bench.catalogue[cause].is_periodic() {
+            own.len()
+        } else {
+            3
+        };
         let starts = own
             .iter()
-            .take(3)
+            .take(most)
             .map(|&i| start_from(bench, &rays[i].0, &rays[i].1))
             .collect();
         candidates.push(Candidate {

@@ -10,13 +10,15 @@ use fitting::noise::{Sizes, Whitener};
 use rayon::prelude::*;
 
 use crate::afresh::{afresh, is_strong};
-use crate::bench::{Bench, Fitted, Likelihood, Stand};
+use crate::bench::{Bench, Fitted};
 use crate::general::Lack;
 use crate::lateness::looked_up;
 use crate::left::lack;
 use crate::look_back::{drop_idle, exchange_with_named, look_back};
 use crate::refusal::take_back;
 use crate::scan::{Candidate, Scan, extended, scan, scan_without, smooth_beside};
+use crate::stand::{Likelihood, Stand};
+use crate::steps::levelled;
 use crate::subset::Subset;
 use crate::uniform::evidence_of_blows;
 
@@ -156,20 +158,23 @@ fn refit(bench: &Bench<'_>, subset: &Subset, fitted: &Fitted, sizes: &Sizes) -> 
     let (effects, start) = (&fitted.effects, &fitted.parameters);
     let fit = bench.fit(subset, effects, start, &whitener, None, limit)?;
     let after = Likelihood::of(bench, subset, &fit, *sizes);
-    Some(if after.deviance <= before.deviance {
+    let stand = if after.deviance <= before.deviance {
         Stand::at(bench, subset, fit, *sizes, after)
     } else {
         Stand::at(bench, subset, fitted.clone(), *sizes, before)
-    })
+    };
+    Some(levelled(bench, subset, stand))
 }
 
-/// Joint fits of the stand's model with each candidate, from the candidate's starts; best first under the stand's noise.
+/// Joint fits of the stand's model with each candidate, from the candidate's starts and from what is `known` of it; best first
+/// under the stand's noise.
 pub(crate) fn joint_fits(
     bench: &Bench<'_>,
     subset: &Subset,
     stand: &Stand,
     candidates: &[&Candidate],
     starts: usize,
+    known: &[(usize, Vec<f64>)],
 ) -> Vec<(usize, Fitted, f64)> {
     let context = subset.context_of(bench, &stand.fitted);
     let fits: Vec<Option<(usize, Fitted, f64)>> = candidates
@@ -186,7 +191,12 @@ pub(crate) fn joint_fits(
             let mut from = if dear {
                 nearest_about(bench, subset, stand, candidate, &whitener)
             } else {
-                let own = candidate.starts.iter().take(starts);
+                let same = known.iter().filter(|(cause, _)| *cause == candidate.cause);
+                // Where one start is not enough, a searched period is begun from all of its lines.
+                let searched = starts > 1 && bench.catalogue[candidate.cause].is_periodic();
+                let most = if searched { usize::MAX } else { starts };
+                let own = candidate.starts.iter().take(most);
+                let own = own.chain(same.map(|(_, parameters)| parameters));
                 own.filter_map(|own| extended(bench, &stand.fitted, candidate.cause, own))
                     .map(|(_, start)| start)
                     .collect()
@@ -547,7 +557,8 @@ fn step(
         Depth::Fold => (3, 1),
     };
     let asked = survivors(bench, found, threshold, most);
-    let fits = joint_fits(bench, subset, stand, &asked, starts);
+    let known = warm.map_or(&[][..], |warm| &warm.causes);
+    let fits = joint_fits(bench, subset, stand, &asked, starts, known);
     let (cause, fit, deviance) = fits.first().cloned()?;
     Some(Step {
         next: Next::Fit(Box::new(fit)),

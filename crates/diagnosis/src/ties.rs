@@ -4,10 +4,11 @@
 use rig::Cause;
 
 use crate::answer::Undecidable;
-use crate::bench::{Bench, Stand};
+use crate::bench::Bench;
 use crate::equivalence::sine;
 use crate::experiment::{Hypothesis, Proposal, propose};
 use crate::scan::{Scan, extended};
+use crate::stand::Stand;
 
 /// Two signatures closer than this (sine of their angle) are one: an effect of twenty times its threshold, d' = 94,
 /// would still not reach the distance 4.7.

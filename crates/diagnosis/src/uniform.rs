@@ -12,8 +12,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::bench::{Bench, Stand};
+use crate::bench::Bench;
 use crate::ground::orthonormal;
+use crate::stand::Stand;
 use crate::subset::Subset;
 use crate::tail::log_chi2_tail;
 

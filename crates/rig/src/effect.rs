@@ -199,6 +199,11 @@ pub trait Cause: Hooks {
         false
     }
 
+    /// The size in which a prediction has steps because samples hide at which moment between them something happens.
+    fn stepped(&self) -> Option<usize> {
+        None
+    }
+
     /// Whether data show it directly (a flat top, few distinct values) rather than through a fit.
     fn is_data_integrity(&self) -> bool {
         false

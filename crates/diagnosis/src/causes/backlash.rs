@@ -47,6 +47,16 @@ impl Cause for Backlash {
         &[Requirement::Reversals]
     }
 
+    /// The moment at which a gap is crossed makes a sample's force jump, so a fit gets over few of them: a ladder of gaps.
+    fn starts(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+        let travel = experiment.scales.travel_m;
+        [3e-5, 1e-4, 3e-4, 1e-3, 1e-2].iter().map(|share| vec![share * travel]).collect()
+    }
+
+    fn stepped(&self) -> Option<usize> {
+        Some(0)
+    }
+
     fn steps_a_sample(&self, _p: &[f64], run: &RunMotion) -> usize {
         let goes = |way: f64| run.velocity_m_s.iter().any(|v| v * way > 0.0);
         if goes(1.0) && goes(-1.0) { STEPS } else { 1 }

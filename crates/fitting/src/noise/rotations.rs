@@ -28,6 +28,14 @@ pub(super) struct Rotations {
 impl Rotations {
     /// Folds all rows into the prior's triangle.
     pub(super) fn new(rows: &Rows, grid: &Grid, sizes: &Sizes) -> Self {
+        wide(
+            #[inline(always)]
+            || Self::fold(rows, grid, sizes),
+        )
+    }
+
+    #[inline(always)]
+    fn fold(rows: &Rows, grid: &Grid, sizes: &Sizes) -> Self {
         let nodes = grid.nodes;
         let stride = rows.width.max(2).min(nodes);
         let (inner, off, last) = grid.precision_root(sizes);
@@ -67,11 +75,7 @@ impl Rotations {
                 j += 1;
                 // The triangle's row reaches at least as far as the line does.
                 end = end.max((j - 1 + reach).min(nodes));
-                let mut left = 0.0_f64;
-                for (t, l) in own[1..].iter_mut().zip(&mut line[j..j - 1 + reach]) {
-                    (*t, *l) = (c * *t + s * *l, c * *l - s * *t);
-                    left = left.max(l.abs());
-                }
+                let left = turn(c, s, &mut own[1..], &mut line[j..j - 1 + reach]);
                 if left < NEGLIGIBLE * inner {
                     break;
                 }
@@ -129,4 +133,26 @@ impl Rotations {
             }
         }
     }
+}
+
+/// (t, l) = (c t + s l, c l - s t) entry by entry; the largest |l| that is left, taken lane by lane so that the loop stays wide.
+#[inline(always)]
+fn turn(c: f64, s: f64, triangle: &mut [f64], line: &mut [f64]) -> f64 {
+    const LANES: usize = 8;
+    let larger = |a: f64, b: f64| if a > b { a } else { b };
+    let mut largest = [0.0_f64; LANES];
+    let mut triangle = triangle.chunks_exact_mut(LANES);
+    let mut line = line.chunks_exact_mut(LANES);
+    for (t, l) in triangle.by_ref().zip(line.by_ref()) {
+        for k in 0..LANES {
+            (t[k], l[k]) = (c * t[k] + s * l[k], c * l[k] - s * t[k]);
+            largest[k] = larger(l[k].abs(), largest[k]);
+        }
+    }
+    let rest = triangle.into_remainder().iter_mut();
+    for (t, l) in rest.zip(line.into_remainder()) {
+        (*t, *l) = (c * *t + s * *l, c * *l - s * *t);
+        largest[0] = larger(l.abs(), largest[0]);
+    }
+    largest.into_iter().fold(0.0, larger)
 }

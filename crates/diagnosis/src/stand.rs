@@ -1,0 +1,206 @@
+//! A fit with its noise: how likely it is, and the whitened coordinates in which further effects are asked for.
+
+use fitting::noise::{Context, Sizes, Whitener};
+use nalgebra::{DMatrix, DVector};
+
+use crate::bench::{Bench, Fitted};
+use crate::ground::Ground;
+use crate::integrity::is_coarse;
+use crate::prior::{append_prior, with_prior_rows};
+use crate::subset::Subset;
+
+/// How likely a fit is under given sizes of the noise.
+pub(crate) struct Likelihood {
+    /// Whitening without the scatter between runs.
+    pub(crate) whitener: Whitener,
+    white_gains: DMatrix<f64>,
+    /// Whitened residual with the prior's rows.
+    white: DVector<f64>,
+    /// -2 log likelihood, the scatter between runs at its likeliest.
+    pub(crate) deviance: f64,
+}
+
+impl Likelihood {
+    pub(crate) fn of(bench: &Bench<'_>, subset: &Subset, fitted: &Fitted, sizes: Sizes) -> Self {
+        let context = subset.context_of(bench, fitted);
+        let inner = Sizes {
+            scatter: 0.0,
+            ..sizes
+        };
+        let whitener = Whitener::new(&context, &inner);
+        let prior = bench.prior.as_ref();
+        let gains = gain_matrix(&context);
+        let white_gains = append_prior(prior, whitener.whiten_columns(&gains), &[]);
+        let residual =
+            subset.gather(&bench.experiment.measured_n) - subset.gather(&fitted.prediction);
+        let white = with_prior_rows(prior, whitener.whiten(&residual), &fitted.parameters);
+        let deviance = whitener.log_det() + scatter_deviance(&white_gains, &white);
+        Self {
+            whitener,
+            white_gains,
+            white,
+            deviance,
+        }
+    }
+}
+
+/// A fit with its noise, ready to be asked about further effects.
+pub(crate) struct Stand {
+    pub(crate) fitted: Fitted,
+    pub(crate) sizes: Sizes,
+    /// Whitening without the scatter between runs.
+    pub(crate) whitener: Whitener,
+    /// All samples x movable parameters.
+    pub(crate) jacobian: DMatrix<f64>,
+    /// Parameters of the Jacobian's columns.
+    pub(crate) columns: Vec<usize>,
+    pub(crate) ground: Ground,
+    /// Whitened Jacobian with the prior's rows.
+    pub(crate) white_jacobian: DMatrix<f64>,
+    white_gains: DMatrix<f64>,
+    /// Rows that a prior adds.
+    pub(crate) prior_rows: usize,
+    /// -2 log likelihood, the scatter between runs at its likeliest.
+    pub(crate) deviance: f64,
+}
+
+impl Stand {
+    /// A fit under given sizes of the noise (their scatter is only the fit's; the tests integrate over it).
+    pub(crate) fn new(bench: &Bench<'_>, subset: &Subset, fitted: Fitted, sizes: Sizes) -> Self {
+        let likelihood = Likelihood::of(bench, subset, &fitted, sizes);
+        Self::at(bench, subset, fitted, sizes, likelihood)
+    }
+
+    /// The same where the fit's likelihood is known.
+    pub(crate) fn at(
+        bench: &Bench<'_>,
+        subset: &Subset,
+        fitted: Fitted,
+        sizes: Sizes,
+        likelihood: Likelihood,
+    ) -> Self {
+        let Likelihood {
+            whitener,
+            white_gains,
+            white,
+            deviance,
+        } = likelihood;
+        let (jacobian, columns) = bench.jacobian(subset, &fitted);
+        let owners: Vec<Option<usize>> = columns.iter().map(|&c| Some(c)).collect();
+        let prior = bench.prior.as_ref();
+        let white_jacobian = append_prior(
+            prior,
+            whitener.whiten_columns(&subset.gather_columns(&jacobian)),
+            &owners,
+        );
+        let prior_rows = prior.map_or(0, |p| p.values.len());
+        let ground = Ground::new(&white_jacobian, &white_gains, &white);
+        Self {
+            fitted,
+            sizes,
+            whitener,
+            jacobian,
+            columns,
+            ground,
+            white_jacobian,
+            white_gains,
+            prior_rows,
+            deviance,
+        }
+    }
+
+    /// -2 log likelihood of the fit under other sizes of the noise.
+    pub(crate) fn deviance_with(&self, bench: &Bench<'_>, subset: &Subset, sizes: Sizes) -> f64 {
+        Likelihood::of(bench, subset, &self.fitted, sizes).deviance
+    }
+
+    /// The ground with each residual drawn towards zero by half a step of the force channel: what rounding may have made is
+    /// taken out, what is beyond it stays. `None` where the step is lost in the noise.
+    pub(crate) fn beyond_rounding(&self, bench: &Bench<'_>, subset: &Subset) -> Option<Ground> {
+        let half = 0.5 * bench.step_n.filter(|s| is_coarse(*s, self.sizes.sensor))?;
+        let residual =
+            subset.gather(&bench.experiment.measured_n) - subset.gather(&self.fitted.prediction);
+        let left = residual.map(|r| r.signum() * (r.abs() - half).max(0.0));
+        let white = with_prior_rows(
+            bench.prior.as_ref(),
+            self.whitener.whiten(&left),
+            &self.fitted.parameters,
+        );
+        Some(Ground::new(&self.white_jacobian, &self.white_gains, &white))
+    }
+
+    /// V(s)^-1/2 W J: the whitened Jacobian with the scatter between runs whitened too.
+    pub(crate) fn white_descattered(&self, scatter: f64) -> DMatrix<f64> {
+        let eigen = self.white_gains.tr_mul(&self.white_gains).symmetric_eigen();
+        let mut out = self.white_jacobian.clone();
+        let largest = eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
+        for (k, l) in eigen.eigenvalues.iter().enumerate() {
+            if *l <= 1e-12 * largest {
+                continue;
+            }
+            let u = &self.white_gains * eigen.eigenvectors.column(k) / l.sqrt();
+            let shrink = 1.0 - 1.0 / (1.0 + scatter * scatter * l).sqrt();
+            let along = u.transpose() * &self.white_jacobian;
+            out -= &u * along * shrink;
+        }
+        out
+    }
+
+    /// -2 log likelihood of another fit under this stand's noise, the scatter between runs at that fit's likeliest.
+    pub(crate) fn deviance_of(&self, bench: &Bench<'_>, subset: &Subset, fit: &Fitted) -> f64 {
+        let residual = subset.gather(&bench.experiment.measured_n) - subset.gather(&fit.prediction);
+        let white = with_prior_rows(
+            bench.prior.as_ref(),
+            self.whitener.whiten(&residual),
+            &fit.parameters,
+        );
+        self.whitener.log_det() + scatter_deviance(&self.white_gains, &white)
+    }
+
+    /// Whitens columns (all samples), with empty rows for a prior.
+    pub(crate) fn whiten(&self, subset: &Subset, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let white = self
+            .whitener
+            .whiten_columns(&subset.gather_columns(columns));
+        let n = white.nrows();
+        white.resize_vertically(n + self.prior_rows, 0.0)
+    }
+}
+
+/// min over s of log det V(s) + r'V(s)^-1 r, V(s) = I + s^2 H H', all whitened: the likelihood with its likeliest scatter.
+pub(crate) fn scatter_deviance(gains: &DMatrix<f64>, residual: &DVector<f64>) -> f64 {
+    let eigen = gains.tr_mul(gains).symmetric_eigen();
+    let turned = eigen.eigenvectors.tr_mul(&gains.tr_mul(residual));
+    let pairs: Vec<(f64, f64)> = eigen
+        .eigenvalues
+        .iter()
+        .zip(turned.iter())
+        .filter(|(l, _)| **l > 0.0)
+        .map(|(l, t)| (*l, *t))
+        .collect();
+    let at = |s2: f64| -> f64 {
+        pairs
+            .iter()
+            .map(|(l, t)| (s2 * l).ln_1p() - s2 * t * t / (1.0 + s2 * l))
+            .sum()
+    };
+    // Scatters from far below to far above anything that a rig shows, in steps of five percent.
+    let best = (0..280)
+        .map(|i| at((1e-6_f64 * 1.05_f64.powi(i)).powi(2)))
+        .fold(0.0, f64::min);
+    residual.norm_squared() + best
+}
+
+/// Gains of runs as columns; for very many runs neighbours share one.
+pub(crate) fn gain_matrix(context: &Context) -> DMatrix<f64> {
+    const MOST: usize = 96;
+    let runs = context.runs.len();
+    let columns = runs.min(MOST);
+    let mut gains = DMatrix::zeros(context.samples(), columns);
+    for (k, run) in context.runs.iter().enumerate() {
+        for i in run.clone() {
+            gains[(i, k * columns / runs)] = context.scale[i];
+        }
+    }
+    gains
+}
