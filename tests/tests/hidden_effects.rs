@@ -172,21 +172,28 @@ fn aliens_are_refused() {
     assert_none(&complaints(&trials, &[Verdict::Right]));
 }
 
-/// A gap is crossed between two samples: the likelihood of its width has treads, and the interval spans the one it is on.
+/// A gap is crossed between two samples: the likelihood of its width has treads, and the interval spans the one it is on. Of four
+/// campaigns one may lie outside: right 95 % intervals miss two of four in one draw of seventy, those of the curvature at a
+/// tread's edge miss most.
 #[test]
 fn the_width_of_play_lies_inside_its_interval() {
     let _guard = ONE_AT_A_TIME
         .lock()
         .unwrap_or_else(std::sync::PoisonError::into_inner);
     let mut workshop = Workshop::default();
-    for (ratio, seed) in [2.5, 5.0, 10.0].into_iter().zip(SEED + 270..) {
+    let mut outside = Vec::new();
+    for (ratio, seed) in [2.5, 5.0, 10.0, 10.0].into_iter().zip(SEED + 270..) {
         let case = Case::one("backlash", 1.0, Protocol::Rich, seed).of_specimen(SEED);
         let trial = trial(Group::Single, case, ratio, None);
         let (judged, _) = workshop.carry_out(&trial, true).expect("a campaign");
         let intervals = judged.judgement.expect("not absorbed").intervals;
         assert_eq!(intervals.len(), 1, "at {ratio} thresholds play is named");
-        assert_eq!(intervals[0].inside, Some(true), "{:?}", intervals[0]);
+        println!("at {ratio}: {:?}", intervals[0]);
+        if intervals[0].inside != Some(true) {
+            outside.push(format!("at {ratio}: {:?}", intervals[0]));
+        }
     }
+    assert!(outside.len() <= 1, "{}", outside.join("\n"));
 }
 
 /// Stick-slip that comes back for a while in every other run is weak in each of them and seen in all together.

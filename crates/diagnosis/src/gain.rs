@@ -11,9 +11,9 @@
 //! with an interval from the differences between runs (Student's t over runs), and a placebo: the fitted effect with
 //! its course along each run scrambled, fitted and judged in the same folds.
 //!
-//! The noise in the squared errors is not the floor's but what these runs happened to draw: the scatter of each run, and the
-//! plate's roughness, which repeats and is in no floor from repeats. Where that may move (D4) by more than a tenth, no share is
-//! stated; where less, it widens the interval.
+//! The noise in the squared errors is not the repeats' but what these runs happened to draw. Where that may move (D4) by more
+//! than a few hundredths, the floor is that of the held-out runs themselves (`drawn.rs`); where they do not tell it either, no
+//! share is stated.
 
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
@@ -22,6 +22,7 @@ use rayon::prelude::*;
 
 use crate::answer::Gain;
 use crate::bench::Bench;
+use crate::drawn::Drawn;
 use crate::floor;
 use crate::ground::orthonormal;
 use crate::intervals::student;
@@ -38,11 +39,11 @@ const WHOLE_CONDITIONS: usize = 3;
 const MOST_FOLDS: usize = 12;
 
 /// Outcome of one fold.
-struct Fold {
-    held: Vec<usize>,
+pub(crate) struct Fold {
+    pub(crate) held: Vec<usize>,
     /// Predictions for all recorded samples: law alone, and with what the fold selected.
     law: Vec<f64>,
-    extended: Vec<f64>,
+    pub(crate) extended: Vec<f64>,
     /// The law's prediction on the record that was searched, beside which the placebos stand.
     searched: Vec<f64>,
     /// For each named cause: the extended model without it, where the fold named it.
@@ -291,73 +292,62 @@ impl Errors {
     fn rmse(&self) -> f64 {
         (self.total() / self.count()).sqrt()
     }
-}
 
-/// What the noise in held-out squared errors may have drawn beside the floor.
-struct Drawn {
-    /// Sum of squares of the plate's roughness.
-    plate: f64,
-    /// Standard deviation of the sum of squares of the scatter between runs.
-    scatter_sd: f64,
-}
-
-impl Drawn {
-    /// By the sizes of the noise beside the named causes. A run that is held out by several folds drew once.
-    fn by(whole: &Whole<'_>, selected: &Selected, folds: &[Fold]) -> Self {
-        let sizes = selected.stand.sizes;
-        let prediction = &whole.extended.prediction;
-        let mut plate = 0.0;
-        let mut variance = 0.0;
-        for run in 0..whole.bench.samples.runs.len() {
-            let times = folds.iter().filter(|f| f.held.contains(&run)).count();
-            let force = times as f64 * floor::force_squares(whole.bench, prediction, run);
-            plate += sizes.plate.powi(2) * force;
-            // var(s^2 chi^2_1) = 2 s^4
-            variance += 2.0 * (sizes.scatter.powi(2) * force).powi(2);
-        }
-        Self {
-            plate,
-            scatter_sd: variance.sqrt(),
-        }
+    /// Half the 95 % interval of the drop of the sum, from the differences between runs (Student's t); `None` of one run.
+    fn paired_half(&self, after: &Self) -> Option<f64> {
+        let pairs = self.runs.iter().zip(&after.runs);
+        let differences: Vec<f64> = pairs.map(|(b, a)| b.0 - a.0).collect();
+        let n = differences.len() as f64;
+        let mean = differences.iter().sum::<f64>() / n;
+        let squares: f64 = differences.iter().map(|d| (d - mean).powi(2)).sum();
+        // Standard error of the sum: sqrt(n) times that of one difference.
+        (n > 1.0).then(|| student(n - 1.0) * (n * squares / (n - 1.0)).sqrt())
     }
 }
 
-/// Share of the denominator of (D4) by which it may be wrong where a share is still stated.
-const KNOWN_TO: f64 = 0.1;
+/// Share of the denominator of (D4) by which a floor from repeats may be wrong.
+const KNOWN_TO: f64 = 0.03;
 
 fn gain(before: &Errors, after: &Errors, floor_rmse: f64, drawn: &Drawn, placebo: &[f64]) -> Gain {
-    let count = before.count();
-    let floor = count * floor_rmse * floor_rmse;
-    let explainable = before.total() - floor;
     let dropped = before.total() - after.total();
-    // Paired differences between runs: their mean's error, studentised.
-    let differences: Vec<f64> = before
-        .runs
-        .iter()
-        .zip(&after.runs)
-        .map(|(b, a)| b.0 - a.0)
-        .collect();
-    let n = differences.len() as f64;
-    let mean = differences.iter().sum::<f64>() / n;
-    let variance = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
-    let error = (n * variance).sqrt();
-    // The noise that was drawn is no more than what is left with the extension, and the floor has drawn as well.
-    let left = (after.total() - floor).max(0.0);
-    let by_noise = drawn.plate + 2.0 * std::f64::consts::SQRT_2 * drawn.scatter_sd;
-    let unknown = left.min(by_noise);
-    let known = explainable > 0.0 && unknown < KNOWN_TO * explainable;
-    let fraction = known.then(|| dropped / explainable);
-    let ci95 = (known && n > 1.0).then(|| {
-        let share = dropped / explainable;
-        let half = (student(n - 1.0) * error).hypot(share * unknown) / explainable;
-        [share - half, share + half]
-    });
+    let share = share(before, after, floor_rmse, drawn);
     let beaten = placebo.iter().filter(|p| dropped > **p).count();
     Gain {
         held_out_rmse_before: before.rmse(),
         held_out_rmse_after: after.rmse(),
-        explained_fraction: fraction,
-        ci95,
+        explained_fraction: share.map(|s| s.0),
+        ci95: share.and_then(|s| s.1).map(|half| {
+            let middle = share.map_or(f64::NAN, |s| s.0);
+            [middle - half, middle + half]
+        }),
         placebo_exceeded: (!placebo.is_empty()).then(|| beaten as f64 / placebo.len() as f64),
     }
+}
+
+/// (D4) and half the width of its interval; `None` where its denominator is within its uncertainty.
+fn share(
+    before: &Errors,
+    after: &Errors,
+    floor_rmse: f64,
+    drawn: &Drawn,
+) -> Option<(f64, Option<f64>)> {
+    let dropped = before.total() - after.total();
+    let floor = before.count() * floor_rmse * floor_rmse;
+    let explainable = before.total() - floor;
+    // What the extension leaves is the noise that was drawn, and little else.
+    let unknown = (after.total() - floor).abs().min(drawn.beside_repeats());
+    let paired = before.paired_half(after);
+    if explainable > 0.0 && unknown < KNOWN_TO * explainable {
+        let share = dropped / explainable;
+        let half = paired.map(|half| half.hypot(share * unknown) / explainable);
+        return Some((share, half));
+    }
+    // With the floor of (D8) the share is dropped / (dropped + A), whose derivatives are A / (..)^2 and -dropped / (..)^2.
+    let (own, wrong) = drawn.own?;
+    let explainable = dropped + own;
+    if !(dropped > 0.0) || !(explainable > wrong * own) {
+        return None;
+    }
+    let half = paired.map(|half| own * half.hypot(dropped * wrong) / explainable.powi(2));
+    Some((dropped / explainable, half))
 }

@@ -16,6 +16,7 @@ mod condense;
 mod curves;
 mod design;
 mod diagnose;
+mod drawn;
 mod equivalence;
 mod excerpt;
 mod experiment;

@@ -6,12 +6,18 @@ use crate::bench::Bench;
 use crate::equivalence::{Contest, Opponent};
 use crate::general::{self, Lack};
 use crate::left::lack;
-use crate::selection::{ALPHA_GENERAL, ALPHA_NAME, MOST_EFFECTS, Selected, search_price};
+use crate::selection::{
+    ALPHA_GENERAL, ALPHA_NAME, MOST_EFFECTS, SHAPE_TOLERANCE, Selected, search_price,
+};
 use crate::stand::Stand;
 use crate::uniform::is_uniform;
 
-/// Where something is left that nothing explains, causes stay named only if they explain this share of all of it.
+/// Where something is left that nothing explains, one cause stays named only if it explains this share of all of it.
 const DOMINANT: f64 = 0.75;
+/// The same of two causes together.
+const DOMINANT_PAIR: f64 = 0.9;
+/// The same of three: beside a rest they are as little to be believed as four, unless it is what their shapes may be wrong by.
+const DOMINANT_TRIPLE: f64 = 1.0 - SHAPE_TOLERANCE * SHAPE_TOLERANCE;
 
 /// Asks of a finished selection whether its names may stay; `worth`: deviance that a further cause must save.
 pub(crate) fn take_back(bench: &Bench<'_>, selected: &mut Selected, worth: f64) {
@@ -132,10 +138,15 @@ fn keep_dominant(bench: &Bench<'_>, selected: &mut Selected) {
                     .deviance_of(bench, &selected.subset, &s.fitted)
         });
     let alone = first_alone / all;
-    let several = selected.stand.fitted.effects.len() > 1;
-    if several && share >= 0.9 || !several && share >= DOMINANT {
+    let enough = match selected.stand.fitted.effects.len() {
+        1 => DOMINANT,
+        2 => DOMINANT_PAIR,
+        _ => DOMINANT_TRIPLE,
+    };
+    if share >= enough {
         return;
     }
+    let several = selected.stand.fitted.effects.len() > 1;
     let sizes = selected.stand.sizes;
     let keep = (several && alone >= DOMINANT)
         .then(|| {
