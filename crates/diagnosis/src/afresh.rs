@@ -9,13 +9,14 @@ use std::cmp::Ordering;
 use std::sync::OnceLock;
 
 use fitting::noise::{Sizes, Whitener};
-use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::bench::{Bench, Fitted};
+use crate::joint::{is_dear, search_price};
 use crate::scan::{Scan, extended};
-use crate::selection::{Warm, is_dear, search_price, settle};
+use crate::selection::{Warm, settle};
 use crate::stand::Stand;
+use crate::starts::ranked;
 use crate::subset::Subset;
 
 /// Strength of the best candidate (in standard deviations) from which the law alone is not trusted: several times what
@@ -264,28 +265,18 @@ impl Search<'_> {
     /// For each start of the law the cause's own start that brings it nearest to the record; nearest of all first. (Fits from one
     /// start of the law tend to end in one minimum.)
     fn nearest_starts(&self, cause: usize, laws: &[&Fitted], own: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let experiment = &self.bench.experiment;
-        let measured = self.subset.gather(&experiment.measured_n);
         let mut nearest: Vec<(f64, Vec<f64>)> = Vec::new();
         for law in laws {
-            let mut starts = Vec::with_capacity(own.len());
-            let mut residuals = DMatrix::zeros(self.subset.len(), own.len());
-            for (own, mut column) in own.iter().zip(residuals.column_iter_mut()) {
-                let Some((model, start)) = extended(self.bench, law, cause, own) else {
-                    return Vec::new();
-                };
-                let predicted = model.predict(experiment, &start);
-                column.copy_from(&(self.subset.gather(&predicted) - &measured));
-                starts.push(start);
-            }
-            let white = self.whitener.whiten_columns(&residuals);
-            let costs = white.column_iter().map(|column| column.norm_squared());
-            nearest.extend(
-                costs
-                    .zip(starts)
-                    .filter(|(cost, _)| cost.is_finite())
-                    .min_by(|a, b| a.0.total_cmp(&b.0)),
-            );
+            let beside = |own: &Vec<f64>| extended(self.bench, law, cause, own);
+            let Some(with_own) = own.iter().map(beside).collect::<Option<Vec<_>>>() else {
+                return Vec::new();
+            };
+            let (models, starts): (Vec<_>, Vec<_>) = with_own.into_iter().unzip();
+            let Some(model) = models.first() else {
+                continue;
+            };
+            let ranked = ranked(self.bench, self.subset, &self.whitener, model, starts);
+            nearest.extend(ranked.into_iter().next());
         }
         nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
         nearest.into_iter().map(|(_, start)| start).collect()

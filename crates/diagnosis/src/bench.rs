@@ -13,6 +13,7 @@ use rig::{Cause, Experiment, Model};
 use crate::condense::Condensed;
 use crate::prior::{Prior, append_prior, with_prior_rows};
 use crate::samples::Samples;
+use crate::starts::ranked;
 use crate::subset::Subset;
 
 /// Everything that stays the same while hypotheses come and go.
@@ -310,19 +311,7 @@ impl<'a> Bench<'a> {
             .iter()
             .map(|start| model.at_null(start, &self.experiment))
             .collect();
-        let measured = subset.gather(&self.experiment.measured_n);
-        let residuals: Vec<DVector<f64>> = wholes
-            .par_iter()
-            .map(|whole| subset.gather(&model.predict(&self.experiment, whole)) - &measured)
-            .collect();
-        let white = whitener.whiten_columns(&DMatrix::from_columns(&residuals));
-        let mut ranked: Vec<(f64, Vec<f64>)> = white
-            .column_iter()
-            .map(|column| column.norm_squared())
-            .zip(wholes)
-            .filter(|(cost, _)| cost.is_finite())
-            .collect();
-        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let ranked = ranked(self, subset, &whitener, &model, wholes);
         let mut from: Vec<Vec<f64>> = ranked.into_iter().map(|(_, whole)| whole).collect();
         let mut best: Option<Fitted> = None;
         for (round, (most, steps)) in LAW_ROUNDS.into_iter().enumerate() {

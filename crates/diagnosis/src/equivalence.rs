@@ -18,9 +18,9 @@ use rayon::prelude::*;
 
 use crate::bench::{Bench, Fitted};
 use crate::ground::{Ground, orthonormal};
+use crate::joint::is_dear;
 use crate::look_back::without;
 use crate::scan::{Ray, Scan, extended, scan_without};
-use crate::selection::is_dear;
 use crate::stand::Stand;
 use crate::subset::Subset;
 

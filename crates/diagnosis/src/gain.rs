@@ -12,8 +12,8 @@
 //! its course along each run scrambled, fitted and judged in the same folds.
 //!
 //! The noise in the squared errors is not the repeats' but what these runs happened to draw. Where that may move (D4) by more
-//! than a few hundredths, the floor is that of the held-out runs themselves (`drawn.rs`); where they do not tell it either, no
-//! share is stated.
+//! than a few hundredths, the share is that of errors weighed by the noise (`weighed.rs`); where they do not tell it either, none
+//! is stated.
 
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
@@ -22,13 +22,13 @@ use rayon::prelude::*;
 
 use crate::answer::Gain;
 use crate::bench::Bench;
-use crate::drawn::Drawn;
 use crate::floor;
 use crate::ground::orthonormal;
 use crate::intervals::student;
 use crate::look_back::without;
 use crate::selection::{Depth, Selected, Warm, law_alone, select};
 use crate::subset::Subset;
+use crate::weighed::{Weighed, beside_repeats};
 use crate::whole::Whole;
 
 /// Scrambled extensions that a gain must beat.
@@ -123,20 +123,28 @@ pub(crate) fn judge(
     if done.is_empty() {
         return None;
     }
-    let law = Errors::pool(whole.bench, &done, |f| &f.law);
-    let extended = Errors::pool(whole.bench, &done, |f| &f.extended);
-    let searched = Errors::pool(bench, &done, |f| &f.searched).total();
-    let placebo: Vec<f64> = (0..scrambled.len())
-        .map(|p| searched - Errors::pool(bench, &done, |f| &f.placebos[p]).total())
-        .collect();
-    let drawn = Drawn::by(whole, selected, &done);
-    let joint = (!named.is_empty()).then(|| gain(&law, &extended, floor_rmse, &drawn, &placebo));
+    let weighed = Weighed::new(bench, whole, selected, &done);
+    let pool = |prediction: &dyn Fn(&Fold) -> &[f64]| {
+        Errors::pool(whole.bench, weighed.as_ref(), &done, prediction)
+    };
+    let law = pool(&|f| &f.law);
+    let extended = pool(&|f| &f.extended);
+    let searched = Errors::pool(bench, None, &done, &|f| &f.searched).total();
+    let judged = Judged {
+        placebo: (0..scrambled.len())
+            .map(|p| searched - Errors::pool(bench, None, &done, &|f| &f.placebos[p]).total())
+            .collect(),
+        floor_rmse,
+        beside_floor: beside_repeats(whole, selected, &done),
+        weighed,
+    };
+    let joint = (!named.is_empty()).then(|| judged.gain(&law, &extended));
     let each = (0..named.len())
         .map(|k| {
-            let lacking = Errors::pool(whole.bench, &done, |f| {
+            let lacking = Errors::pool(whole.bench, judged.weighed.as_ref(), &done, &|f| {
                 f.lacking[k].as_ref().unwrap_or(&f.extended)
             });
-            Some(gain(&lacking, &extended, floor_rmse, &drawn, &placebo))
+            Some(judged.gain(&lacking, &extended))
         })
         .collect();
     Some(Gains {
@@ -259,26 +267,34 @@ fn scrambled(bench: &Bench<'_>, selected: &Selected) -> Vec<Vec<f64>> {
 struct Errors {
     /// Sum of squares and samples of each held-out run.
     runs: Vec<(f64, f64)>,
+    /// The same sums weighed by the noise, where it is known.
+    weighed: Vec<f64>,
 }
 
 impl Errors {
-    fn pool<'f>(
+    fn pool(
         bench: &Bench<'_>,
-        folds: &'f [Fold],
-        prediction: impl Fn(&'f Fold) -> &'f Vec<f64>,
+        weighed: Option<&Weighed<'_>>,
+        folds: &[Fold],
+        prediction: &dyn Fn(&Fold) -> &[f64],
     ) -> Self {
         let runs = folds
             .iter()
             .flat_map(|f| {
                 let predicted = prediction(f);
-                f.held
-                    .iter()
-                    .map(|&k| floor::squares(bench, predicted, Some(&[k])))
-                    .collect::<Vec<_>>()
+                let held = f.held.iter();
+                held.map(move |&k| floor::squares(bench, predicted, Some(&[k])))
             })
             .filter(|(_, n)| *n > 0.0)
             .collect();
-        Self { runs }
+        let by_noise = |w: &Weighed<'_>| {
+            let errors = folds.iter().flat_map(|f| w.errors(f, prediction(f)));
+            errors.collect()
+        };
+        Self {
+            runs,
+            weighed: weighed.map(by_noise).unwrap_or_default(),
+        }
     }
 
     fn total(&self) -> f64 {
@@ -292,62 +308,75 @@ impl Errors {
     fn rmse(&self) -> f64 {
         (self.total() / self.count()).sqrt()
     }
+}
 
-    /// Half the 95 % interval of the drop of the sum, from the differences between runs (Student's t); `None` of one run.
-    fn paired_half(&self, after: &Self) -> Option<f64> {
-        let pairs = self.runs.iter().zip(&after.runs);
-        let differences: Vec<f64> = pairs.map(|(b, a)| b.0 - a.0).collect();
-        let n = differences.len() as f64;
-        let mean = differences.iter().sum::<f64>() / n;
-        let squares: f64 = differences.iter().map(|d| (d - mean).powi(2)).sum();
-        // Standard error of the sum: sqrt(n) times that of one difference.
-        (n > 1.0).then(|| student(n - 1.0) * (n * squares / (n - 1.0)).sqrt())
-    }
+/// Half the 95 % interval of a sum of differences between runs (Student's t); `None` of one run.
+fn paired_half(differences: &[f64]) -> Option<f64> {
+    let n = differences.len() as f64;
+    let mean = differences.iter().sum::<f64>() / n;
+    let squares: f64 = differences.iter().map(|d| (d - mean).powi(2)).sum();
+    // Standard error of the sum: sqrt(n) times that of one difference.
+    (n > 1.0).then(|| student(n - 1.0) * (n * squares / (n - 1.0)).sqrt())
 }
 
 /// Share of the denominator of (D4) by which a floor from repeats may be wrong.
 const KNOWN_TO: f64 = 0.03;
 
-fn gain(before: &Errors, after: &Errors, floor_rmse: f64, drawn: &Drawn, placebo: &[f64]) -> Gain {
-    let dropped = before.total() - after.total();
-    let share = share(before, after, floor_rmse, drawn);
-    let beaten = placebo.iter().filter(|p| dropped > **p).count();
-    Gain {
-        held_out_rmse_before: before.rmse(),
-        held_out_rmse_after: after.rmse(),
-        explained_fraction: share.map(|s| s.0),
-        ci95: share.and_then(|s| s.1).map(|half| {
-            let middle = share.map_or(f64::NAN, |s| s.0);
-            [middle - half, middle + half]
-        }),
-        placebo_exceeded: (!placebo.is_empty()).then(|| beaten as f64 / placebo.len() as f64),
-    }
+/// What gains are judged by.
+struct Judged<'a> {
+    /// Drops that the scrambled extensions bring.
+    placebo: Vec<f64>,
+    floor_rmse: f64,
+    /// Sum of squares by which that floor may be wrong.
+    beside_floor: f64,
+    weighed: Option<Weighed<'a>>,
 }
 
-/// (D4) and half the width of its interval; `None` where its denominator is within its uncertainty.
-fn share(
-    before: &Errors,
-    after: &Errors,
-    floor_rmse: f64,
-    drawn: &Drawn,
-) -> Option<(f64, Option<f64>)> {
-    let dropped = before.total() - after.total();
-    let floor = before.count() * floor_rmse * floor_rmse;
-    let explainable = before.total() - floor;
-    // What the extension leaves is the noise that was drawn, and little else.
-    let unknown = (after.total() - floor).abs().min(drawn.beside_repeats());
-    let paired = before.paired_half(after);
-    if explainable > 0.0 && unknown < KNOWN_TO * explainable {
-        let share = dropped / explainable;
-        let half = paired.map(|half| half.hypot(share * unknown) / explainable);
-        return Some((share, half));
+impl Judged<'_> {
+    fn gain(&self, before: &Errors, after: &Errors) -> Gain {
+        let dropped = before.total() - after.total();
+        let share = self
+            .share_above_floor(before, after)
+            .or_else(|| self.share_weighed(before, after));
+        let beaten = self.placebo.iter().filter(|p| dropped > **p).count();
+        let placebos = self.placebo.len();
+        Gain {
+            held_out_rmse_before: before.rmse(),
+            held_out_rmse_after: after.rmse(),
+            explained_fraction: share.map(|(share, _)| share),
+            ci95: share.and_then(|(share, half)| half.map(|half| [share - half, share + half])),
+            placebo_exceeded: (placebos > 0).then(|| beaten as f64 / placebos as f64),
+        }
     }
-    // With the floor of (D8) the share is dropped / (dropped + A), whose derivatives are A / (..)^2 and -dropped / (..)^2.
-    let (own, wrong) = drawn.own?;
-    let explainable = dropped + own;
-    if !(dropped > 0.0) || !(explainable > wrong * own) {
-        return None;
+
+    /// (D4) and half its interval's width; `None` where its denominator is within its uncertainty.
+    fn share_above_floor(&self, before: &Errors, after: &Errors) -> Option<(f64, Option<f64>)> {
+        let floor = before.count() * self.floor_rmse.powi(2);
+        let explainable = before.total() - floor;
+        // What the extension leaves is the noise that was drawn, and little else.
+        let unknown = (after.total() - floor).abs().min(self.beside_floor);
+        if !(explainable > 0.0 && unknown < KNOWN_TO * explainable) {
+            return None;
+        }
+        let pairs = before.runs.iter().zip(&after.runs);
+        let differences: Vec<f64> = pairs.map(|(b, a)| b.0 - a.0).collect();
+        let share = differences.iter().sum::<f64>() / explainable;
+        let half = paired_half(&differences);
+        Some((share, half.map(|h| h.hypot(share * unknown) / explainable)))
     }
-    let half = paired.map(|half| own * half.hypot(dropped * wrong) / explainable.powi(2));
-    Some((dropped / explainable, half))
+
+    /// (D8) and half its interval's width, from d share/dD = A/(D + A)^2 and d share/dA = -D/(D + A)^2.
+    fn share_weighed(&self, before: &Errors, after: &Errors) -> Option<(f64, Option<f64>)> {
+        let Weighed { own, wrong, .. } = *self.weighed.as_ref()?;
+        let pairs = before.weighed.iter().zip(&after.weighed);
+        let differences: Vec<f64> = pairs.map(|(b, a)| b - a).collect();
+        let dropped: f64 = differences.iter().sum();
+        let explainable = dropped + own;
+        if !(dropped > 0.0 && explainable > wrong * own) {
+            return None;
+        }
+        let half = paired_half(&differences);
+        let half = half.map(|h| own * h.hypot(dropped * wrong) / explainable.powi(2));
+        Some((dropped / explainable, half))
+    }
 }

@@ -2,10 +2,9 @@
 //! idle, and one may have been the best name only as long as its neighbour was missing.
 
 use crate::bench::{Bench, Fitted};
+use crate::joint::{joint_fits, search_price, survivors};
 use crate::scan::{Scan, scan};
-use crate::selection::{
-    Depth, SURVIVORS, Single, joint_fits, likely_scatter, search_price, settle, survivors,
-};
+use crate::selection::{Depth, SURVIVORS, Single, likely_scatter, settle};
 use crate::stand::Stand;
 use crate::subset::Subset;
 

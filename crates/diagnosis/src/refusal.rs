@@ -5,10 +5,9 @@ use rig::Station;
 use crate::bench::Bench;
 use crate::equivalence::{Contest, Opponent};
 use crate::general::{self, Lack};
+use crate::joint::search_price;
 use crate::left::lack;
-use crate::selection::{
-    ALPHA_GENERAL, ALPHA_NAME, MOST_EFFECTS, SHAPE_TOLERANCE, Selected, search_price,
-};
+use crate::selection::{ALPHA_GENERAL, ALPHA_NAME, MOST_EFFECTS, SHAPE_TOLERANCE, Selected};
 use crate::stand::Stand;
 use crate::uniform::is_uniform;
 

@@ -11,8 +11,8 @@ use rig::Model;
 
 use crate::bench::{Bench, Fitted};
 use crate::ground::{Direction, Score, angle, look_elsewhere};
+use crate::joint::is_dear;
 use crate::peaks::{Line, Peaks};
-use crate::selection::is_dear;
 use crate::stand::Stand;
 use crate::subset::Subset;
 

@@ -6,17 +6,17 @@
 //! 4. Before a second cause stays, every other cause is asked to do better alone than the pair (the near miss), and
 //!    each cause of the set to do without, or to be replaced.
 
-use fitting::noise::{Sizes, Whitener};
-use rayon::prelude::*;
+use fitting::noise::Sizes;
 
 use crate::afresh::{afresh, is_strong};
 use crate::bench::{Bench, Fitted};
 use crate::general::Lack;
+use crate::joint::{is_dear, joint_fits, survivors};
 use crate::lateness::looked_up;
 use crate::left::lack;
 use crate::look_back::{drop_idle, exchange_with_named, look_back};
 use crate::refusal::take_back;
-use crate::scan::{Candidate, Scan, extended, scan, scan_without, smooth_beside};
+use crate::scan::{Scan, scan, scan_without, smooth_beside};
 use crate::stand::{Likelihood, Stand};
 use crate::steps::levelled;
 use crate::subset::Subset;
@@ -26,8 +26,6 @@ use crate::uniform::evidence_of_blows;
 pub(crate) const ALPHA_NAME: f64 = 0.004;
 /// The same for the general alternative.
 pub(crate) const ALPHA_GENERAL: f64 = 0.004;
-/// Samples, repeats counted once, up to which a mass on a cord is fitted from several starts.
-const MOST_SAMPLES_AFRESH: usize = 15_000;
 /// Where this many causes together are needed, none is named: one cause outside the catalogue is likelier than so many in it.
 pub(crate) const MOST_EFFECTS: usize = 4;
 /// Joint fits tried in each round.
@@ -164,207 +162,6 @@ fn refit(bench: &Bench<'_>, subset: &Subset, fitted: &Fitted, sizes: &Sizes) -> 
         Stand::at(bench, subset, fitted.clone(), *sizes, before)
     };
     Some(levelled(bench, subset, stand))
-}
-
-/// Joint fits of the stand's model with each candidate, from the candidate's starts and from what is `known` of it; best first
-/// under the stand's noise.
-pub(crate) fn joint_fits(
-    bench: &Bench<'_>,
-    subset: &Subset,
-    stand: &Stand,
-    candidates: &[&Candidate],
-    starts: usize,
-    known: &[(usize, Vec<f64>)],
-) -> Vec<(usize, Fitted, f64)> {
-    let context = subset.context_of(bench, &stand.fitted);
-    let fits: Vec<Option<(usize, Fitted, f64)>> = candidates
-        .par_iter()
-        .map(|candidate| {
-            let whitener = stand
-                .whitener
-                .with_scatter(&context, candidate.score.scatter);
-            let mut best: Option<(Fitted, f64)> = None;
-            let mut effects = stand.fitted.effects.clone();
-            effects.push(candidate.cause);
-            let dear = is_dear(bench, candidate.cause);
-            let mut limit = 20;
-            let mut from = if dear {
-                nearest_about(bench, subset, stand, candidate, &whitener)
-            } else {
-                let same = known.iter().filter(|(cause, _)| *cause == candidate.cause);
-                // Where one start is not enough, a searched period is begun from all of its lines.
-                let searched = starts > 1 && bench.catalogue[candidate.cause].is_periodic();
-                let most = if searched { usize::MAX } else { starts };
-                let own = candidate.starts.iter().take(most);
-                let own = own.chain(same.map(|(_, parameters)| parameters));
-                own.filter_map(|own| extended(bench, &stand.fitted, candidate.cause, own))
-                    .map(|(_, start)| start)
-                    .collect()
-            };
-            if dear && bench.mechanics() > MOST_SAMPLES_AFRESH {
-                from.truncate(1);
-                limit = 8;
-            } else if dear {
-                from.extend(starts_afresh(bench, subset, stand, candidate, &whitener));
-            }
-            for start in from {
-                let Some(fit) = bench.fit(subset, &effects, &start, &whitener, None, limit) else {
-                    continue;
-                };
-                let deviance = stand.deviance_of(bench, subset, &fit);
-                if best.as_ref().is_none_or(|b| deviance < b.1) {
-                    best = Some((fit, deviance));
-                }
-            }
-            best.map(|(fit, deviance)| (candidate.cause, fit, deviance))
-        })
-        .collect();
-    let mut fits: Vec<(usize, Fitted, f64)> = fits.into_iter().flatten().collect();
-    fits.sort_by(|a, b| {
-        price(bench, a)
-            .total_cmp(&price(bench, b))
-            .then(a.0.cmp(&b.0))
-    });
-    fits
-}
-
-/// The starts about a candidate's own that bring the stand's law nearest to the record.
-fn nearest_about(
-    bench: &Bench<'_>,
-    subset: &Subset,
-    stand: &Stand,
-    candidate: &Candidate,
-    whitener: &Whitener,
-) -> Vec<Vec<f64>> {
-    const TAKEN: usize = 2;
-    let Some(own) = candidate.starts.first() else {
-        return Vec::new();
-    };
-    let effect = &bench.catalogue[candidate.cause];
-    let starts: Vec<Vec<f64>> = effect
-        .about(&bench.experiment, own)
-        .iter()
-        .filter_map(|own| extended(bench, &stand.fitted, candidate.cause, own))
-        .map(|(_, start)| start)
-        .collect();
-    nearest(
-        bench,
-        subset,
-        whitener,
-        &stand.fitted,
-        candidate.cause,
-        starts,
-        TAKEN,
-    )
-}
-
-/// Of these starts of a model with one more cause, those nearest to the record.
-fn nearest(
-    bench: &Bench<'_>,
-    subset: &Subset,
-    whitener: &Whitener,
-    fitted: &Fitted,
-    cause: usize,
-    starts: Vec<Vec<f64>>,
-    taken: usize,
-) -> Vec<Vec<f64>> {
-    let mut effects = fitted.effects.clone();
-    effects.push(cause);
-    let Some(model) = bench.model(&effects) else {
-        return Vec::new();
-    };
-    let measured = subset.gather(&bench.experiment.measured_n);
-    let mut ranked: Vec<(f64, Vec<f64>)> = starts
-        .into_par_iter()
-        .map(|start| {
-            let predicted = subset.gather(&model.predict(&bench.experiment, &start));
-            let cost = whitener.whiten(&(predicted - &measured)).norm_squared();
-            (cost, start)
-        })
-        .filter(|(cost, _)| cost.is_finite())
-        .collect();
-    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-    ranked.into_iter().take(taken).map(|r| r.1).collect()
-}
-
-/// Starts of a joint fit with the law afresh. The law's own fit takes a cord's stretch for its stiffness and damping and may
-/// end in another valley than the two together: of all of the law's starts those nearest to the data with the cause at
-/// its estimated size.
-fn starts_afresh(
-    bench: &Bench<'_>,
-    subset: &Subset,
-    stand: &Stand,
-    candidate: &Candidate,
-    whitener: &Whitener,
-) -> Vec<Vec<f64>> {
-    const TAKEN: usize = 3;
-    let Some(own) = candidate.starts.first() else {
-        return Vec::new();
-    };
-    let Some((model, at)) = extended(bench, &stand.fitted, candidate.cause, own) else {
-        return Vec::new();
-    };
-    let starts = bench.law_starts(&model).into_iter().map(|law| {
-        let mut start = at.clone();
-        start[..law.len()].copy_from_slice(&law);
-        start
-    });
-    let starts = starts.collect();
-    nearest(
-        bench,
-        subset,
-        whitener,
-        &stand.fitted,
-        candidate.cause,
-        starts,
-        TAKEN,
-    )
-}
-
-/// Deviance with parameters and, for a searched period, the search paid for.
-fn price(bench: &Bench<'_>, fit: &(usize, Fitted, f64)) -> f64 {
-    fit.2 + search_price(bench, fit.0)
-}
-
-/// What a cause pays for its parameters and, where its period is searched, for the search; a second form of the same cause for
-/// not being the plain one.
-pub(crate) fn search_price(bench: &Bench<'_>, cause: usize) -> f64 {
-    const SEARCH: f64 = 10.0;
-    const SECOND_FORM: f64 = 4.0;
-    let effect = &bench.catalogue[cause];
-    let search = if effect.is_periodic() { SEARCH } else { 0.0 };
-    let plain = bench.catalogue[..cause]
-        .iter()
-        .all(|other| other.id() != effect.id());
-    let form = if plain { 0.0 } else { SECOND_FORM };
-    2.0 * effect.parameters().len() as f64 + search + form
-}
-
-/// Candidates that deserve a joint fit: all that pass, and those that come near the best.
-pub(crate) fn survivors<'a>(
-    bench: &Bench<'_>,
-    found: &'a Scan,
-    threshold: f64,
-    most: usize,
-) -> Vec<&'a Candidate> {
-    let best = found.candidates.first().map_or(0.0, |c| c.score.z());
-    found
-        .candidates
-        .iter()
-        .enumerate()
-        .filter(|(place, c)| {
-            let z = c.score.z();
-            let near = z > 0.6 * best && (c.log_p < threshold || z > 0.8 * best);
-            near && (*place < 2 || !is_dear(bench, c.cause) || z > 0.95 * best)
-        })
-        .map(|(_, c)| c)
-        .take(most)
-        .collect()
-}
-
-/// Whether a cause's mechanics are dear to compute (a mass on a cord).
-pub(crate) fn is_dear(bench: &Bench<'_>, cause: usize) -> bool {
-    bench.catalogue[cause].reach() == rig::Reach::Coupling
 }
 
 /// The whole selection; `None` where the law itself cannot be computed on the campaign.

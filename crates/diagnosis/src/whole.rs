@@ -6,7 +6,8 @@ use fitting::noise::Whitener;
 use rig::Model;
 
 use crate::bench::{Bench, Fitted};
-use crate::selection::{Selected, is_dear};
+use crate::joint::is_dear;
+use crate::selection::Selected;
 use crate::subset::Subset;
 
 /// Steps of the last fit, which starts where the search ended; fewer where the mechanics are dear.

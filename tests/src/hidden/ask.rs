@@ -9,6 +9,8 @@ use planting::plan::Noise;
 use planting::{Base, Case, Outcome};
 use serde_json::Value;
 
+use crate::hidden::oracle::Oracle;
+
 /// An answer and the curves behind it.
 pub struct Answer {
     /// The answer as in its JSON.
@@ -53,11 +55,16 @@ pub fn ask(files: &[(String, String)], options: &Options) -> Result<Answer, Stri
     ask_folder(folder.path(), options)
 }
 
-/// The share of the law's error against the noise-free truth that the extension removes.
+/// The share of the law's error against the noise-free truth that the extension removes, as the oracle weighs errors.
 ///
 /// # Errors
 /// If the case cannot be set up.
-pub fn true_gain(case: &Case, outcome: &Outcome, curves: &Curves) -> Result<f64, String> {
+pub fn true_gain(
+    oracle: &Oracle,
+    case: &Case,
+    outcome: &Outcome,
+    curves: &Curves,
+) -> Result<f64, String> {
     let (rig, plan, _) = case.set_up()?;
     let truth: Vec<f64> = run_day(&rig, &plan, &Noise::NONE, 0)
         .into_iter()
@@ -66,14 +73,5 @@ pub fn true_gain(case: &Case, outcome: &Outcome, curves: &Curves) -> Result<f64,
     if truth.len() != curves.law.len() || outcome.recordings.len() != curves.runs.len() {
         return Err("the curves do not fit the day".into());
     }
-    // Errors as shares of the friction, which is what the noise scales with.
-    let floor = 0.05 * truth.iter().fold(0.0_f64, |a, f| a.max(f.abs()));
-    let error = |curve: &[f64]| -> f64 {
-        curve
-            .iter()
-            .zip(&truth)
-            .map(|(a, t)| ((a - t) / t.abs().max(floor)).powi(2))
-            .sum()
-    };
-    Ok(1.0 - error(&curves.extended) / error(&curves.law).max(f64::MIN_POSITIVE))
+    Ok(oracle.true_gain(&truth, &curves.law, &curves.extended))
 }

@@ -131,7 +131,8 @@ impl Workshop {
         let true_gain = if judgement.named.is_empty() {
             None
         } else {
-            true_gain(&sized.case, &outcome, &answer.curves).ok()
+            let oracle = &self.view(&sized)?.oracle;
+            true_gain(oracle, &sized.case, &outcome, &answer.curves).ok()
         };
         let judged = Judged {
             trial: sized,

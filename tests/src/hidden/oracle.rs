@@ -45,6 +45,8 @@ pub struct Oracle {
     law_rig: Rig,
     plan: Plan,
     whitener: Whitener,
+    /// With the scatter between runs.
+    whole_whitener: Whitener,
     scatter: f64,
     clean: Vec<f64>,
     /// Orthonormal basis of the whitened derivatives.
@@ -117,6 +119,8 @@ impl Oracle {
             scatter: 0.0,
         };
         let whitener = Whitener::new(&context, &sizes);
+        let scatter = noise.scatter;
+        let whole_whitener = Whitener::new(&context, &Sizes { scatter, ..sizes });
         let derivatives = whitener.whiten_columns(&law_derivatives(&rig, &plan, &clean));
         let basis = orthonormal(&derivatives);
         let mut gains = DMatrix::zeros(clean.len(), context.runs.len());
@@ -143,7 +147,8 @@ impl Oracle {
             law_rig: rig,
             plan,
             whitener,
-            scatter: noise.scatter,
+            whole_whitener,
+            scatter,
             clean,
             basis,
             gains: left.select_columns(&keep),
@@ -202,6 +207,17 @@ impl Oracle {
     fn project(&self, change: &DVector<f64>) -> DVector<f64> {
         let whitened = self.whitener.whiten(change);
         &whitened - &self.basis * self.basis.tr_mul(&whitened)
+    }
+
+    /// The share of the law's squared error against the noise-free truth that the extension removes, errors whitened by the
+    /// true noise: 1 - |W (extended - truth)|^2 / |W (law - truth)|^2.
+    pub fn true_gain(&self, truth: &[f64], law: &[f64], extended: &[f64]) -> f64 {
+        let error = |curve: &[f64]| {
+            let apart = curve.iter().zip(truth).map(|(a, t)| a - t);
+            let apart = DVector::from_iterator(truth.len(), apart);
+            self.whole_whitener.whiten(&apart).norm_squared()
+        };
+        1.0 - error(extended) / error(law).max(f64::MIN_POSITIVE)
     }
 
     /// A record's deviation, whitened, what gains of runs and the law can take out of it taken out.

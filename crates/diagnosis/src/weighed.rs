@@ -1,0 +1,104 @@
+//! Held-out errors weighed by the noise, for where the floor from repeats says too little.
+//!
+//! A run's scatter is one number for hundreds of samples, and the plate's roughness repeats and is in no floor from repeats: the
+//! squared errors of the runs that were held out hold what these runs drew, which may be far from what noise draws on the
+//! average. In the drop from the law to the extension it cancels, the better if errors are weighed by the noise; and what is left
+//! of the explainable error is the extension's own error A, where nothing is left unexplained:
+//!
+//! ```text
+//! share = D / (D + A),   D = sum |M (y - f_law)|^2 - |M (y - f_fold)|^2                                 (D8)
+//!                        A = sum |M (f_fold - f_all)|^2 + p H / R
+//! ```
+//!
+//! Sums run over folds and their held-out runs; M whitens one run's samples, scatter included. f_fold, f_all: the extension's
+//! predictions from the fold and from the whole campaign, whose p parameters make it wrong by p = tr(V^-1 J C J') over all R runs;
+//! H runs were held out.
+
+use fitting::noise::Whitener;
+use nalgebra::DMatrix;
+
+use crate::bench::Bench;
+use crate::floor;
+use crate::gain::Fold;
+use crate::selection::{ALPHA_GENERAL, Selected, likely_scatter};
+use crate::subset::Subset;
+use crate::whole::Whole;
+
+/// The noise that weighs errors of held-out runs.
+pub(crate) struct Weighed<'a> {
+    bench: &'a Bench<'a>,
+    subset: &'a Subset,
+    whitener: Whitener,
+    /// A of (D8).
+    pub(crate) own: f64,
+    /// The share of A that may be wrong: two standard deviations of a chi-squared with p degrees of freedom, over its mean.
+    pub(crate) wrong: f64,
+}
+
+impl<'a> Weighed<'a> {
+    /// `None` where something is left unexplained, or where errors are not those of the record that was searched.
+    pub(crate) fn new(
+        bench: &'a Bench<'a>,
+        whole: &Whole<'_>,
+        selected: &'a Selected,
+        folds: &[Fold],
+    ) -> Option<Self> {
+        if whole.apart || selected.left.log_p < ALPHA_GENERAL.ln() {
+            return None;
+        }
+        let (stand, subset) = (&selected.stand, &selected.subset);
+        let context = subset.context_of(bench, &stand.fitted);
+        let whitener = stand.whitener.with_scatter(&context, likely_scatter(stand));
+        let parameters = stand.columns.len().max(1) as f64;
+        let mut weighed = Self {
+            bench,
+            subset,
+            whitener,
+            own: 0.0,
+            wrong: 2.0 * (2.0 / parameters).sqrt(),
+        };
+        let all = &stand.fitted.prediction;
+        let apart = |fold: &Fold| weighed.squares(fold, all, &fold.extended);
+        let held: usize = folds.iter().map(|fold| fold.held.len()).sum();
+        weighed.own = folds.iter().flat_map(apart).sum::<f64>()
+            + parameters * held as f64 / bench.samples.runs.len() as f64;
+        Some(weighed)
+    }
+
+    /// |M (y - f)|^2 of a prediction f for each run that a fold holds out.
+    pub(crate) fn errors(&self, fold: &Fold, prediction: &[f64]) -> Vec<f64> {
+        self.squares(fold, &self.bench.experiment.measured_n, prediction)
+    }
+
+    /// |M (a - b)|^2 for each run that a fold holds out.
+    fn squares(&self, fold: &Fold, a: &[f64], b: &[f64]) -> Vec<f64> {
+        let mut columns = DMatrix::zeros(a.len(), fold.held.len());
+        for (k, &run) in fold.held.iter().enumerate() {
+            for i in self.bench.samples.runs[run].clone() {
+                columns[(i, k)] = a[i] - b[i];
+            }
+        }
+        self.whitener
+            .whiten_columns(&self.subset.gather_columns(&columns))
+            .column_iter()
+            .map(|column| column.norm_squared())
+            .collect()
+    }
+}
+
+/// Sum of squared errors of held-out runs by which the floor from repeats may be wrong: the plate's roughness, and two standard
+/// deviations of what the scatter between runs draws. A run that is held out by several folds drew once.
+pub(crate) fn beside_repeats(whole: &Whole<'_>, selected: &Selected, folds: &[Fold]) -> f64 {
+    let sizes = selected.stand.sizes;
+    let prediction = &whole.extended.prediction;
+    let mut plate = 0.0;
+    let mut variance = 0.0;
+    for run in 0..whole.bench.samples.runs.len() {
+        let times = folds.iter().filter(|f| f.held.contains(&run)).count();
+        let force = times as f64 * floor::force_squares(whole.bench, prediction, run);
+        plate += sizes.plate.powi(2) * force;
+        // var(s^2 chi^2_1) = 2 s^4
+        variance += 2.0 * (sizes.scatter.powi(2) * force).powi(2);
+    }
+    plate + 2.0 * (2.0 * variance).sqrt()
+}
