@@ -4,7 +4,7 @@
 //! run would tell. The cheapest that separates is proposed, else the one that tells clearly more than all cheaper ones.
 
 use campaign::{Campaign, Direction, InitialState, Protocol, Run};
-use fitting::noise::{Context, Sizes, Whitener};
+use fitting::noise::{Context, Lag, Sizes, Whitener};
 use nalgebra::DVector;
 use rig::{Experiment, Model};
 
@@ -109,6 +109,7 @@ fn distance(
         place: Vec::new(),
         scale: friction,
         ring: Vec::new(),
+        lag: Lag::default(),
         rows: Vec::new(),
     };
     for run in &experiment.runs[bench.samples.runs.len()..] {

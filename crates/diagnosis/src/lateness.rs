@@ -1,14 +1,17 @@
 //! How late the record tells of the plate.
 //!
 //! Where the force channel lags behind the velocity, or the velocity behind the motion, a sample's roughness is that of the place
-//! x - t v, t the lateness in seconds: two directions see the same plate apart by twice that way. Whatever makes the record late,
-//! noise that is looked up at the recorded places is then wrong, and lines are found in it that no texture made. The lateness
-//! belongs to the noise, not to a cause: it is taken from the roughness alone, near what the fitted causes suggest, and all
-//! causes are compared with it. (A filter does not shift every wavelength alike, so that the two need not agree.)
+//! x - t v, t the lateness in seconds: two directions see the same plate apart by twice that way. A filter of the channel smooths
+//! roughness as well, its own of every run too. Whatever makes the record late, noise that is looked up at the recorded places, as
+//! rough as without a filter, is then wrong, and lines are found in it that no texture made. The lateness belongs to the noise,
+//! not to a cause: it is taken from the roughness alone, as a delay or as a filter, near what the fitted causes suggest, and all
+//! causes are compared with it.
+
+use fitting::noise::{Sizes, left_s};
 
 use crate::bench::Bench;
 use crate::scan::Scan;
-use crate::selection::settle;
+use crate::selection::{Depth, settle};
 use crate::stand::Stand;
 use crate::subset::Subset;
 
@@ -17,31 +20,92 @@ const SHARES: [f64; 6] = [0.25, 0.5, 0.7, 0.85, 1.0, 1.2];
 /// What a lateness must save in deviance.
 const WORTH: f64 = 10.0;
 
-/// A stand with the plate looked up as late as suits its residual, the subset with it; and whether that moved anything.
+/// What the record does to roughness.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Lateness {
+    /// Pure delay, s.
+    pub(crate) delay_s: f64,
+    /// Time constant of a first-order filter, s.
+    pub(crate) lag_s: f64,
+}
+
+impl Lateness {
+    /// How late a sample tells of the plate once the filter is taken out, `step_s` after the sample before, s.
+    pub(crate) fn at_s(self, step_s: f64) -> f64 {
+        self.delay_s + left_s(step_s, self.lag_s)
+    }
+
+    fn delay(delay_s: f64) -> Self {
+        Self {
+            delay_s,
+            lag_s: 0.0,
+        }
+    }
+
+    fn filter(lag_s: f64) -> Self {
+        Self {
+            delay_s: 0.0,
+            lag_s,
+        }
+    }
+}
+
+/// A stand with the plate looked up as late as suits its residual, the subset with it; and whether that moved anything. A fold keeps
+/// to the kind of lateness that the whole campaign has.
 pub(crate) fn looked_up(
     bench: &Bench<'_>,
     subset: &mut Subset,
     stand: Stand,
+    depth: Depth,
 ) -> Option<(Stand, bool)> {
-    let Some(later) = later(bench, subset, &stand) else {
-        return Some((stand, false));
-    };
-    *subset = later;
-    let found = Scan::empty(bench, Some(stand.sizes));
-    let stand = settle(bench, subset, &stand.fitted, &found)?;
-    Some((stand, true))
-}
-
-/// The subset with the lateness that suits a stand's residual best; `None` where the one it has is as good.
-fn later(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Option<Subset> {
     let suggested = stand.fitted.model.lateness_s(&stand.fitted.parameters);
     if suggested == 0.0 || subset.is_averaged() {
-        return None;
+        return Some((stand, false));
     }
+    let before = subset.lateness();
+    let mut best = stand;
+    if let Some(later) = later(bench, subset, &best, suggested) {
+        *subset = later;
+        best = resettled(bench, subset, &best, Some(best.sizes))?;
+    }
+    let filtered = subset.lateness().lag_s > 0.0;
+    if suggested > 0.0 && !filtered && depth == Depth::Full {
+        // Behind a filter the roughness has other sizes than it seems to have.
+        let other = subset.late_by(Lateness::filter(suggested));
+        let behind = resettled(bench, &other, &best, None)?;
+        if behind.deviance < best.deviance - WORTH {
+            *subset = other;
+            best = behind;
+            if let Some(nearer) = later(bench, subset, &best, suggested) {
+                *subset = nearer;
+                best = resettled(bench, subset, &best, Some(best.sizes))?;
+            }
+        }
+    }
+    Some((best, subset.lateness() != before))
+}
+
+/// The stand's model under the noise that its runs have as late as the subset says.
+fn resettled(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    sizes: Option<Sizes>,
+) -> Option<Stand> {
+    settle(bench, subset, &stand.fitted, &Scan::empty(bench, sizes))
+}
+
+/// The subset with the lateness of its kind that suits a stand's residual best; `None` where the one it has is as good.
+fn later(bench: &Bench<'_>, subset: &Subset, stand: &Stand, suggested: f64) -> Option<Subset> {
+    let kind = if subset.lateness().lag_s > 0.0 {
+        Lateness::filter
+    } else {
+        Lateness::delay
+    };
     let worth = |subset: &Subset| stand.deviance_with(bench, subset, stand.sizes);
     SHARES
         .iter()
-        .map(|share| subset.late_by(share * suggested))
+        .map(|share| subset.late_by(kind(share * suggested)))
         .map(|later| (worth(&later), later))
         .min_by(|a, b| a.0.total_cmp(&b.0))
         .filter(|best| best.0 < worth(subset) - WORTH)

@@ -12,7 +12,7 @@ use crate::afresh::{afresh, is_strong};
 use crate::bench::{Bench, Fitted};
 use crate::general::Lack;
 use crate::joint::{is_dear, joint_fits, survivors};
-use crate::lateness::looked_up;
+use crate::lateness::{Lateness, looked_up};
 use crate::left::lack;
 use crate::look_back::{drop_idle, exchange_with_named, look_back};
 use crate::refusal::take_back;
@@ -83,8 +83,8 @@ pub(crate) struct Warm {
     pub(crate) extended_law: Vec<f64>,
     /// The named causes and their parameters.
     pub(crate) causes: Vec<(usize, Vec<f64>)>,
-    /// How late samples tell of the plate, s.
-    pub(crate) late_s: f64,
+    /// How late samples tell of the plate.
+    pub(crate) late: Lateness,
 }
 
 impl Selected {
@@ -99,7 +99,7 @@ impl Selected {
             causes: (0..extended.effects.len())
                 .map(|k| (extended.effects[k], own(k)))
                 .collect(),
-            late_s: self.subset.lateness_s(),
+            late: self.subset.lateness(),
         }
     }
 }
@@ -171,7 +171,7 @@ pub(crate) fn select(
     depth: Depth,
     warm: Option<&Warm>,
 ) -> Option<Selected> {
-    let mut subset = subset.late_by(warm.map_or(0.0, |w| w.late_s));
+    let mut subset = subset.late_by(warm.map_or(Lateness::default(), |w| w.late));
     let (mut base, first) = baseline(bench, &subset, warm)?;
     let threshold = (ALPHA_NAME / first.asked.max(1) as f64).ln();
     let best = first.candidates.first().map_or(0.0, |c| c.log_p);
@@ -230,11 +230,11 @@ pub(crate) fn select(
         }
         explained += step.drop;
         entry.push(step.log_p);
-        let (mut next, _) = looked_up(bench, &mut subset, next)?;
+        let (mut next, _) = looked_up(bench, &mut subset, next, depth)?;
         let periodic = bench.catalogue[next.fitted.effects[last]].is_periodic();
         if round > 0 || periodic {
             next = look_back(bench, &subset, next, &singles, &mut entry, threshold, depth)?;
-            let (later, moved) = looked_up(bench, &mut subset, next)?;
+            let (later, moved) = looked_up(bench, &mut subset, next, depth)?;
             next = later;
             if moved {
                 next = drop_idle(bench, &subset, next, &mut entry, -2.0 * threshold)?;

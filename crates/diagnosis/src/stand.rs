@@ -202,5 +202,8 @@ pub(crate) fn gain_matrix(context: &Context) -> DMatrix<f64> {
             gains[(i, k * columns / runs)] = context.scale[i];
         }
     }
+    for mut column in gains.column_iter_mut() {
+        context.recorded(column.as_mut_slice());
+    }
     gains
 }

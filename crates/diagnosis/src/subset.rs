@@ -2,10 +2,11 @@
 
 use std::ops::Range;
 
-use fitting::noise::{Context, Ring};
+use fitting::noise::{Context, Lag, Ring};
 use nalgebra::{DMatrix, DVector};
 
 use crate::bench::{Bench, Fitted};
+use crate::lateness::Lateness;
 use crate::samples::Samples;
 
 /// Runs that are looked at; the others keep their commands and hide their force.
@@ -18,8 +19,8 @@ pub(crate) struct Subset {
     /// Weight of each row, where rows have weights.
     weight: Option<DVector<f64>>,
     whole: bool,
-    /// How late samples tell of the plate, s (see [`crate::lateness`]).
-    late_s: f64,
+    /// How late samples tell of the plate.
+    late: Lateness,
 }
 
 impl Subset {
@@ -45,7 +46,7 @@ impl Subset {
             weight,
             rows,
             whole,
-            late_s: 0.0,
+            late: Lateness::default(),
         }
     }
 
@@ -54,16 +55,16 @@ impl Subset {
     }
 
     /// The same runs, whose samples tell of places on the plate so much later.
-    pub(crate) fn late_by(&self, late_s: f64) -> Self {
+    pub(crate) fn late_by(&self, late: Lateness) -> Self {
         Self {
-            late_s,
+            late,
             ..self.clone()
         }
     }
 
-    /// How late samples tell of the plate, s.
-    pub(crate) fn lateness_s(&self) -> f64 {
-        self.late_s
+    /// How late samples tell of the plate.
+    pub(crate) fn lateness(&self) -> Lateness {
+        self.late
     }
 
     /// Whether samples are means over rows.
@@ -105,15 +106,29 @@ impl Subset {
     pub(crate) fn context(&self, bench: &Bench<'_>, scale: &[f64]) -> Context {
         let pick = |x: &[f64]| self.rows.iter().map(|&i| x[i]).collect::<Vec<f64>>();
         let (place, velocity) = (&bench.samples.place, &bench.samples.velocity);
-        let seen = |&i: &usize| place[i] - self.late_s * velocity[i];
+        let steps_s = self.steps_s(bench);
+        let seen = |(&i, &step): (&usize, &f64)| place[i] - self.late.at_s(step) * velocity[i];
         Context {
             runs: self.ranges.clone(),
             sliding: pick(&bench.samples.sliding),
-            place: self.rows.iter().map(seen).collect(),
+            place: self.rows.iter().zip(&steps_s).map(seen).collect(),
             scale: self.gather(scale).as_slice().to_vec(),
             ring: Vec::new(),
+            lag: Lag::new(steps_s.into_iter(), self.late.lag_s),
             rows: bench.samples.averaged_at(&self.rows),
         }
+    }
+
+    /// Time since the sample before, s; zero at the first of a run.
+    fn steps_s(&self, bench: &Bench<'_>) -> Vec<f64> {
+        let time = |row: usize| bench.samples.time[self.rows[row]];
+        let mut steps = vec![0.0; self.rows.len()];
+        for run in &self.ranges {
+            for row in run.start + 1..run.end {
+                steps[row] = time(row) - time(row - 1);
+            }
+        }
+        steps
     }
 
     /// The noise's context beside a fit: on a cord roughness reaches the record through the cord's resonance, which averaged

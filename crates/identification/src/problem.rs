@@ -1,7 +1,7 @@
 //! The least-squares problem of a campaign: predicted less recorded force, whitened.
 
 use fitting::Residuals;
-use fitting::noise::{Context, Whitener};
+use fitting::noise::{Context, Lag, Whitener};
 use nalgebra::{DMatrix, DVector};
 use rig::{Experiment, Model};
 
@@ -92,6 +92,7 @@ pub(crate) fn noise_context(experiment: &Experiment, predicted: &[f64]) -> Conte
         place: stacked(|run| &run.position_m),
         scale,
         ring: Vec::new(),
+        lag: Lag::default(),
         rows: Vec::new(),
     }
 }

@@ -22,7 +22,7 @@ use planting::species::CAUSES;
 use planting::{Case, NoiseKind, Planted};
 use statrs::distribution::{Continuous, ContinuousCDF, Normal, StudentsT};
 
-use fitting::noise::{Context, Sizes, Whitener};
+use fitting::noise::{Context, Lag, Sizes, Whitener};
 
 /// Distance at which the test that knows the cause has 90 % power at 1 % over 27 causes.
 pub const THRESHOLD: f64 = 4.8;
@@ -497,6 +497,7 @@ fn context(plan: &Plan, recordings: &[Recording]) -> Context {
     }
     Context {
         ring: vec![None; runs.len()],
+        lag: Lag::default(),
         rows: Vec::new(),
         runs,
         sliding,

@@ -11,6 +11,9 @@
 //! whitened = e_i / sqrt(S_i)
 //! ```
 //!
+//! Behind a filter of the channel (N6) the white noise is b e_i + h e_{i-1}: e is a third state, of which nothing but the last
+//! sample's innovation tells.
+//!
 //! The coefficients do not depend on the data: they are kept, and a column costs ten operations a sample.
 
 use super::context::{Context, Sizes};
@@ -26,6 +29,8 @@ pub(super) struct Along {
     /// Friction force that roughness multiplies, less where a row is the mean of several samples.
     pub(super) scale: Vec<f64>,
     pub(super) gain: Vec<[f64; 2]>,
+    /// Gain of the white noise and h; empty where there is no filter.
+    pub(super) white: Vec<[f64; 2]>,
     pub(super) inverse_sd: Vec<f64>,
     /// log det of the covariance of private roughness, unresolved field and white noise.
     pub(super) log_det: f64,
@@ -43,6 +48,7 @@ impl Along {
             decay: vec![[0.0; 2]; n],
             scale: context.scale.clone(),
             gain: vec![[0.0; 2]; n],
+            white: Vec::new(),
             inverse_sd: vec![0.0; n],
             log_det: 0.0,
         };
@@ -55,6 +61,8 @@ impl Along {
         for run in &context.runs {
             // Covariance [[p, c], [c, q]] of the two states.
             let (mut p, mut c, mut q) = (private, 0.0, between);
+            // Variance of the last white noise and its covariances with the two.
+            let (mut e, mut pe, mut qe) = (0.0, 0.0, 0.0);
             for i in run.clone() {
                 if i > run.start {
                     let mut step = context.sliding[i] - context.sliding[i - 1];
@@ -66,11 +74,24 @@ impl Along {
                     p = phi[0] * phi[0] * p + private * (1.0 - phi[0] * phi[0]);
                     q = phi[1] * phi[1] * q + between * (1.0 - phi[1] * phi[1]);
                     c *= phi[0] * phi[1];
+                    pe *= phi[0];
+                    qe *= phi[1];
                 }
                 let f = filter.scale[i];
-                let total = f * f * (p + 2.0 * c + q) + white;
-                let gain = [f * (p + c) / total, f * (c + q) / total];
-                let seen = [f * (p + c), f * (c + q)];
+                let (b, h) = match context.lag.is_empty() {
+                    true => (1.0, 0.0),
+                    false => context.lag.noise(i),
+                };
+                let of_white = b * b * white + h * h * e + 2.0 * f * h * (pe + qe);
+                let total = f * f * (p + 2.0 * c + q) + of_white;
+                let seen = [f * (p + c) + h * pe, f * (c + q) + h * qe];
+                let gain = seen.map(|s| s / total);
+                if !context.lag.is_empty() {
+                    let own = b * white / total;
+                    e = white - own * own * total;
+                    (pe, qe) = (-gain[0] * own * total, -gain[1] * own * total);
+                    filter.white.push([own, h]);
+                }
                 p -= gain[0] * seen[0];
                 q -= gain[1] * seen[1];
                 c -= gain[0] * seen[1];
@@ -87,16 +108,24 @@ impl Along {
     pub(super) fn whiten(&self, columns: &mut [&mut [f64]]) {
         wide(
             #[inline(always)]
-            || self.innovations(columns),
+            || {
+                if self.white.is_empty() {
+                    self.innovations::<false>(columns);
+                } else {
+                    self.innovations::<true>(columns);
+                }
+            },
         );
     }
 
     #[inline(always)]
-    fn innovations(&self, columns: &mut [&mut [f64]]) {
+    fn innovations<const LAGGED: bool>(&self, columns: &mut [&mut [f64]]) {
         for block in columns.chunks_mut(TOGETHER) {
             let (mut u, mut w) = ([0.0; TOGETHER], [0.0; TOGETHER]);
+            let mut e = [0.0; TOGETHER];
             for i in 0..self.scale.len() {
                 let (decay, gain) = (self.decay[i], self.gain[i]);
+                let white = if LAGGED { self.white[i] } else { [0.0; 2] };
                 let mut x = [0.0; TOGETHER];
                 for (x, column) in x.iter_mut().zip(block.iter()) {
                     *x = column[i];
@@ -104,7 +133,11 @@ impl Along {
                 for k in 0..TOGETHER {
                     u[k] *= decay[0];
                     w[k] *= decay[1];
-                    let innovation = x[k] - self.scale[i] * (u[k] + w[k]);
+                    let mut innovation = x[k] - self.scale[i] * (u[k] + w[k]);
+                    if LAGGED {
+                        innovation -= white[1] * e[k];
+                        e[k] = white[0] * innovation;
+                    }
                     u[k] += gain[0] * innovation;
                     w[k] += gain[1] * innovation;
                     x[k] = innovation * self.inverse_sd[i];
@@ -118,9 +151,14 @@ impl Along {
 
     /// Replaces a stacked column x by (the filter)' x: the same recursion run backwards on the adjoint states.
     pub(super) fn whiten_transposed(&self, column: &mut [f64]) {
-        let (mut u, mut w) = (0.0, 0.0);
+        let (mut u, mut w, mut e) = (0.0, 0.0, 0.0);
         for (i, x) in column.iter_mut().enumerate().rev() {
-            let innovation = *x * self.inverse_sd[i] + self.gain[i][0] * u + self.gain[i][1] * w;
+            let mut innovation =
+                *x * self.inverse_sd[i] + self.gain[i][0] * u + self.gain[i][1] * w;
+            if let Some([own, h]) = self.white.get(i) {
+                innovation += own * e;
+                e = -h * innovation;
+            }
             u = (u - self.scale[i] * innovation) * self.decay[i][0];
             w = (w - self.scale[i] * innovation) * self.decay[i][1];
             *x = innovation;

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::averaged::Averaged;
+use super::lag::Lag;
 use super::ring::Ring;
 
 /// Plain numbers a sample, stacked run after run.
@@ -18,6 +19,8 @@ pub struct Context {
     pub scale: Vec<f64>,
     /// The resonance through which each run's roughness reaches the record; empty where there is none.
     pub ring: Vec<Option<Ring>>,
+    /// The filter of the force channel.
+    pub lag: Lag,
     /// What each sample is the mean of; empty where each stands for itself.
     pub rows: Vec<Averaged>,
 }
@@ -60,8 +63,14 @@ impl Sizes {
 }
 
 impl Context {
-    /// Takes each run's resonance out of a record of all samples.
-    pub(super) fn take_ring_out(&self, column: &mut [f64]) {
+    /// What the record shows of a force: behind the filter of the channel.
+    pub fn recorded(&self, force: &mut [f64]) {
+        self.lag.put_in(force);
+    }
+
+    /// Takes the channel's filter and each run's resonance out of a record of all samples.
+    pub(super) fn take_channel_out(&self, column: &mut [f64]) {
+        self.lag.take_out(column);
         for (run, ring) in self.runs.iter().zip(&self.ring) {
             if let Some(ring) = ring {
                 ring.take_out(&mut column[run.clone()]);

@@ -78,9 +78,9 @@ pub fn estimate(
     mean.view_mut((0, p + q), (n, gains.ncols()))
         .copy_from(&gains);
     let mut struck = residual.clone();
-    context.take_ring_out(struck.as_mut_slice());
+    context.take_channel_out(struck.as_mut_slice());
     for column in mean.as_mut_slice().chunks_mut(n.max(1)) {
-        context.take_ring_out(column);
+        context.take_channel_out(column);
     }
     let criterion = Criterion::new(context, &mean, &struck);
     let plate_separable = context.shared_places() > 0.05;
@@ -149,6 +149,7 @@ fn gain_columns_limited(context: &Context) -> DMatrix<f64> {
         for i in context.runs[c * runs / MOST].clone() {
             gains[(i, c)] = context.scale[i];
         }
+        context.recorded(gains.column_mut(c).as_mut_slice());
     }
     gains
 }

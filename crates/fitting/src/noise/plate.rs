@@ -125,26 +125,31 @@ impl Rows {
         };
         rows.offset.push(0);
         // The filter's state as a function of the nodes lo..hi.
-        let mut state = vec![[0.0_f64; 2]; grid.nodes];
+        let mut state = vec![[0.0_f64; 3]; grid.nodes];
         let mut seen = Seen::default();
         for run in &context.runs {
-            state.fill([0.0; 2]);
+            state.fill([0.0; 3]);
             let (mut lo, mut hi) = (0, 0);
             for i in run.clone() {
                 grid.seen(context, i, sizes.length, &mut seen);
                 let ends = (seen.first, seen.first + seen.weights.len());
                 let decay = along.decay[i];
                 for x in &mut state[lo..hi] {
-                    *x = [x[0] * decay[0], x[1] * decay[1]];
+                    *x = [x[0] * decay[0], x[1] * decay[1], x[2]];
                 }
-                let forgotten = |x: [f64; 2]| x[0].abs() + x[1].abs() < FORGOTTEN;
+                let (f, along_scale) = (context.scale[i], along.scale[i]);
+                let [own, h] = along.white.get(i).copied().unwrap_or_default();
+                let forgotten = |x: [f64; 3]| {
+                    let white = if h == 0.0 { 0.0 } else { h * x[2] / f };
+                    x[0].abs() + x[1].abs() + white.abs() < FORGOTTEN
+                };
                 while lo < hi && forgotten(state[lo]) {
-                    state[lo] = [0.0; 2];
+                    state[lo] = [0.0; 3];
                     lo += 1;
                 }
                 while lo < hi && forgotten(state[hi - 1]) {
                     hi -= 1;
-                    state[hi] = [0.0; 2];
+                    state[hi] = [0.0; 3];
                 }
                 (lo, hi) = if lo == hi {
                     ends
@@ -153,19 +158,19 @@ impl Rows {
                 };
                 while hi - lo > LONGEST_ROW {
                     if ends.0 as isize - lo as isize > hi as isize - ends.1 as isize {
-                        state[lo] = [0.0; 2];
+                        state[lo] = [0.0; 3];
                         lo += 1;
                     } else {
                         hi -= 1;
-                        state[hi] = [0.0; 2];
+                        state[hi] = [0.0; 3];
                     }
                 }
-                let (f, along_scale) = (context.scale[i], along.scale[i]);
                 let (gain, weight) = (along.gain[i], along.inverse_sd[i]);
                 for (j, state) in state.iter_mut().enumerate().take(hi).skip(lo) {
                     let direct = j.checked_sub(seen.first).and_then(|k| seen.weights.get(k));
                     let direct = direct.map_or(0.0, |w| f * w);
-                    let innovation = direct - along_scale * (state[0] + state[1]);
+                    let innovation = direct - along_scale * (state[0] + state[1]) - h * state[2];
+                    state[2] = own * innovation;
                     state[0] += gain[0] * innovation;
                     state[1] += gain[1] * innovation;
                     rows.values.push(innovation * weight);

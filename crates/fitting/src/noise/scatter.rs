@@ -133,6 +133,7 @@ pub(super) fn gain_columns(context: &Context) -> DMatrix<f64> {
         for i in run.clone() {
             gains[(i, k)] = context.scale[i];
         }
+        context.recorded(gains.column_mut(k).as_mut_slice());
     }
     gains
 }

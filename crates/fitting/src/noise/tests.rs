@@ -17,6 +17,7 @@ fn ramps(samples: usize, pairs: usize) -> Context {
         place: Vec::new(),
         scale: Vec::new(),
         ring: Vec::new(),
+        lag: Lag::default(),
         rows: Vec::new(),
     };
     for k in 0..2 * pairs {
@@ -88,6 +89,76 @@ fn filter_and_scatter_equal_the_dense_covariance() {
     assert!((exact - ours).abs() < 1e-8 * exact, "{exact} {ours}");
     let log_det: f64 = 2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>();
     assert!((log_det - whitener.log_det()).abs() < 1e-7 * log_det.abs());
+}
+
+/// The covariance behind a filter of the channel: L V L' with the white noise beyond it.
+fn behind_filter(context: &Context, sizes: &Sizes) -> DMatrix<f64> {
+    let quiet = Sizes {
+        sensor: 0.0,
+        ..*sizes
+    };
+    let n = context.samples();
+    let mut covariance = dense(context, &quiet);
+    for _ in 0..2 {
+        for mut column in covariance.column_iter_mut() {
+            context.recorded(column.as_mut_slice());
+        }
+        covariance.transpose_mut();
+    }
+    covariance + DMatrix::identity(n, n) * sizes.sensor.powi(2)
+}
+
+/// The same runs behind a filter of 3.3 and of 0.2 samples.
+fn filtered(context: &Context) -> [Context; 2] {
+    [3.3, 0.2].map(|samples| {
+        let first = |i: usize| context.runs.iter().any(|run| run.start == i);
+        let steps = (0..context.samples()).map(|i| if first(i) { 0.0 } else { 1.0 });
+        Context {
+            lag: Lag::new(steps, samples),
+            ..context.clone()
+        }
+    })
+}
+
+/// A filter of the channel changes the noise as the dense covariance says: exactly without the plate's field.
+#[test]
+fn filtered_noise_equals_the_dense_covariance() {
+    let sizes = Sizes {
+        plate: 0.0,
+        ..SIZES
+    };
+    let plain = ramps(60, 2);
+    for context in filtered(&plain) {
+        let factor = Cholesky::new(behind_filter(&context, &sizes)).expect("a covariance");
+        let whitener = Whitener::new(&context, &sizes);
+        let r = draw(&plain, &sizes, 1);
+        let exact = r.dot(&factor.solve(&r));
+        let ours = whitener.whiten(&r).norm_squared();
+        assert!((exact - ours).abs() < 1e-8 * exact, "{exact} {ours}");
+        let log_det: f64 = 2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>();
+        assert!((log_det - whitener.log_det()).abs() < 1e-7 * log_det.abs());
+        let (x, y) = (draw(&plain, &sizes, 2), whitener.whiten(&r));
+        let other = whitener.whiten_transposed(&x).dot(&r);
+        assert!((x.dot(&y) - other).abs() < 1e-9 * other.abs());
+    }
+}
+
+/// With the plate's field too, as far as its grid resolves it.
+#[test]
+fn filtered_plate_field_agrees_with_the_dense_covariance() {
+    for context in filtered(&ramps(120, 2)) {
+        let factor = Cholesky::new(behind_filter(&context, &SIZES)).expect("a covariance");
+        let whitener = Whitener::new(&context, &SIZES);
+        for wave in [0.0, 30.0, 60.0] {
+            let mut smooth = DVector::from_fn(context.samples(), |i, _| {
+                context.scale[i] * (wave * context.place[i]).cos()
+            });
+            context.recorded(smooth.as_mut_slice());
+            let ours = whitener.whiten(&smooth).norm_squared();
+            let ratio = ours / smooth.dot(&factor.solve(&smooth));
+            assert!((ratio - 1.0).abs() < 0.02, "wave {wave}: ratio {ratio}");
+        }
+    }
 }
 
 /// With it they agree within the grid's resolution: forms of smooth columns to 2 %; the determinant to 0.08 a sample,

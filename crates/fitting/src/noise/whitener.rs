@@ -12,6 +12,7 @@ use rayon::prelude::*;
 
 use super::along::Along;
 use super::context::{Context, Sizes};
+use super::lag::Lag;
 use super::plate::{Grid, Rows};
 use super::ring::Ring;
 use super::rotations::Rotations;
@@ -29,6 +30,8 @@ pub struct Whitener {
     scatter: Option<ScatterRoot>,
     /// Resonances that are taken out first, with the samples of their runs.
     rings: Vec<(Range<usize>, Ring)>,
+    /// The filter that is taken out before them.
+    lag: Arc<Lag>,
     log_det: f64,
 }
 
@@ -53,7 +56,7 @@ impl Whitener {
     pub fn new(context: &Context, sizes: &Sizes) -> Self {
         let grid = Grid::new(context, sizes.node_spacing());
         let along = Along::new(context, sizes, grid.unresolved(sizes.length));
-        let mut log_det = along.log_det;
+        let mut log_det = along.log_det - 2.0 * context.lag.log_det();
         let rings: Vec<(Range<usize>, Ring)> = (context.runs.iter().zip(&context.ring))
             .filter_map(|(run, ring)| ring.map(|ring| (run.clone(), ring)))
             .collect();
@@ -70,6 +73,7 @@ impl Whitener {
             rotations,
             scatter: None,
             rings,
+            lag: Arc::new(context.lag.clone()),
             log_det,
         };
         if sizes.scatter > 0.0 {
@@ -139,11 +143,13 @@ impl Whitener {
         for (run, ring) in &self.rings {
             ring.take_out_transposed(&mut column[run.clone()]);
         }
+        self.lag.take_out_transposed(column);
         out
     }
 
     fn sweep(&self, columns: &mut [&mut [f64]]) {
         for column in columns.iter_mut() {
+            self.lag.take_out(column);
             for (run, ring) in &self.rings {
                 ring.take_out(&mut column[run.clone()]);
             }
@@ -243,5 +249,7 @@ fn remove(x: &mut [f64], u: &[f64], shrink: f64) {
 
 /// One column that holds every run's own force.
 fn all_gains(context: &Context) -> DMatrix<f64> {
-    DMatrix::from_column_slice(context.samples(), 1, &context.scale)
+    let mut gains = context.scale.clone();
+    context.recorded(&mut gains);
+    DMatrix::from_vec(context.samples(), 1, gains)
 }
