@@ -196,6 +196,35 @@ fn the_width_of_play_lies_inside_its_interval() {
     assert!(outside.len() <= 1, "{}", outside.join("\n"));
 }
 
+/// Behind a slow channel roughness looks smoother and longer than it is; with the filter taken out it has its size and length again.
+#[test]
+fn roughness_behind_a_slow_channel_keeps_its_size() {
+    let _guard = ONE_AT_A_TIME
+        .lock()
+        .unwrap_or_else(std::sync::PoisonError::into_inner);
+    let case =
+        Case::one("sensor-lag", 1.0, Protocol::PaperAlternating, SEED + 280).of_specimen(SEED);
+    let (_, _, planted) = case.set_up().expect("a case of the catalogue");
+    let trial = trial(Group::Single, case, 5.0, None);
+    let (judged, answer) = Workshop::default()
+        .carry_out(&trial, true)
+        .expect("a campaign");
+    assert_eq!(
+        judged.judgement.map(|j| j.verdict),
+        Some(Verdict::Right),
+        "{answer}"
+    );
+    let found = |name: &str| answer["noise_floor"][name].as_f64().expect("a size");
+    let private = planted.roughness * (1.0 - planted.plate_share).sqrt();
+    for (name, size) in [
+        ("roughness_private", private),
+        ("roughness_length", planted.correlation_m),
+    ] {
+        let ratio = found(name) / size;
+        assert!((ratio - 1.0).abs() < 0.25, "{name}: {ratio} of the planted");
+    }
+}
+
 /// Stick-slip that comes back for a while in every other run is weak in each of them and seen in all together.
 #[test]
 fn bursts_are_refused_on_the_papers_protocol() {
