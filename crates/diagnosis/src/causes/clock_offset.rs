@@ -39,6 +39,11 @@ impl Cause for ClockOffset {
         vec![grids::bounded(&PARAMETERS[0], -0.3 * run, 0.3 * run, 0.01 * run)]
     }
 
+    fn starts(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+        let delays = grids::delays_s(experiment);
+        delays.iter().flat_map(|&t| [vec![t], vec![-t]]).collect()
+    }
+
     fn lateness_s(&self, p: &[f64]) -> f64 {
         p[0]
     }

@@ -32,6 +32,16 @@ pub(super) fn duration_s(experiment: &Experiment) -> f64 {
         .fold(0.0, f64::max)
 }
 
+/// Times (s) from a hundredth of the longest run down to about a sample's step, the shortest first: a fit that starts far too slow
+/// first bends the law and does not come back.
+pub(super) fn delays_s(experiment: &Experiment) -> Vec<f64> {
+    const MOST: usize = 4;
+    let longest = 0.01 * duration_s(experiment);
+    let samples = experiment.runs.iter().map(|run| run.len()).max().unwrap_or(1);
+    let step = duration_s(experiment) / samples as f64;
+    logarithmic(step.min(0.5 * longest), longest, MOST)
+}
+
 /// Time from the first run's start to the last one's end, s; the sum of the runs without a clock.
 pub(super) fn day_s(experiment: &Experiment) -> f64 {
     let ends = experiment

@@ -41,6 +41,10 @@ impl Cause for VelocityLag {
         vec![grids::bounded(&PARAMETERS[0], 0.0, 0.3 * run, 0.01 * run)]
     }
 
+    fn starts(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+        grids::delays_s(experiment).into_iter().map(|t| vec![t]).collect()
+    }
+
     fn lateness_s(&self, p: &[f64]) -> f64 {
         -p[0]
     }
