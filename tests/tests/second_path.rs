@@ -96,14 +96,12 @@ fn catalogue_and_planted_mechanisms_agree() {
                 continue;
             };
             println!("{id} on {protocol:?} at {size}: {share:.4}");
-            // What happens between two samples, the program can only guess: the moment at which a gap is crossed, the way of the
-            // force that is delayed or filtered. A ripple is carried along chords of a twelfth of its pitch.
+            // The moment between two samples at which a gap is crossed, the program can only guess. A ripple is carried along chords of a twelfth of its pitch.
             let tolerance = match (id, protocol) {
                 ("backlash", Protocol::Drive | Protocol::Rotary) => 0.05,
                 // Not understood yet (docs/known-gaps.md).
                 ("cord-compliance", Protocol::Rotary) => 0.07,
                 ("stage-ripple", _) => 0.02,
-                ("sensor-lag" | "clock-offset", _) if size < 0.1 => 0.03,
                 _ if size < 0.1 => 0.02,
                 _ => 0.01,
             };

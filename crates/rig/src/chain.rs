@@ -85,6 +85,7 @@ impl<D: ChainScalar> Pass<'_, D> {
         // stage: recorded velocity -> slip speed. A specimen turned round meets the plate the other way.
         let corded = self.acts(Reach::Coupling) && run.in_contact();
         let parts = if corded { 1 } else { self.parts(run) };
+        let followed = self.parts_of(Reach::Record, run) > 1;
         let refined = (parts > 1).then(|| run.refined(parts));
         let motion = refined.as_ref().unwrap_or(run);
         let turn = if run.specimen_turned { -1.0 } else { 1.0 };
@@ -137,21 +138,26 @@ impl<D: ChainScalar> Pass<'_, D> {
         // friction on the rigid chain: load x coefficient x factors of surface, history, load
         let mut factor = None;
         let mut force: Vec<D> = Vec::new();
+        let mut beside_chords: Option<Vec<D>> = None;
         if !corded || self.acts(Reach::Factor) {
-            force = match done.rigid(run.twin) {
+            let fine = match done.rigid(run.twin) {
                 Some(same) => same.to_vec(),
                 None => {
                     let coefficient = self.coefficients(&law, &record, initial)?;
                     let force: Vec<D> = coefficient
                         .iter()
-                        .step_by(parts)
-                        .zip(&run.load_n)
+                        .zip(&motion.load_n)
                         .map(|(&mu, &load)| mu * (turn * load))
                         .collect();
                     done.keep_rigid(index, &force);
                     force
                 }
             };
+            force = fine.iter().step_by(parts).copied().collect();
+            beside_chords = (followed && parts > 1).then(|| {
+                let chords = along_chords(&force, parts);
+                fine.iter().zip(chords).map(|(&f, c)| f - c).collect()
+            });
         }
         if self.acts(Reach::Factor) {
             let mut whole = vec![D::constant(1.0); n];
@@ -199,9 +205,22 @@ impl<D: ChainScalar> Pass<'_, D> {
         self.add_inertia(run, &mut force);
 
         // load, sensor, clock
-        self.in_place(Reach::Record, run, &mut force, |force_n| Hook::Record {
-            force_n,
-        });
+        let record_of = |run: &RunMotion, force: &mut [D]| {
+            self.in_place(Reach::Record, run, force, |force_n| Hook::Record {
+                force_n,
+            });
+        };
+        match beside_chords.filter(|_| !corded) {
+            None => record_of(run, &mut force),
+            Some(beside) => {
+                let mut fine = along_chords(&force, parts);
+                for (f, b) in fine.iter_mut().zip(beside) {
+                    *f += b;
+                }
+                record_of(motion, &mut fine);
+                force = fine.into_iter().step_by(parts).collect();
+            }
+        }
         Ok(force)
     }
 
@@ -239,9 +258,14 @@ impl<D: ChainScalar> Pass<'_, D> {
 
     /// Steps from sample to sample that the active effects ask for on a run.
     fn parts(&self, run: &RunMotion) -> usize {
+        let of_the_stage = self.parts_of(Reach::Stage, run);
+        of_the_stage.max(self.parts_of(Reach::Record, run))
+    }
+
+    fn parts_of(&self, reach: Reach, run: &RunMotion) -> usize {
         let effects = self.model.effects.iter().enumerate();
         effects
-            .filter(|&(i, cause)| self.active[i] && cause.reach() == Reach::Stage)
+            .filter(|&(i, cause)| self.active[i] && cause.reach() == reach)
             .map(|(i, cause)| {
                 let own = &self.parameters[self.model.span(i)];
                 let values: Vec<f64> = own.iter().map(Scalar::value).collect();
@@ -362,6 +386,17 @@ impl<D: ChainScalar> Pass<'_, D> {
         }
         coefficients(law, record, initial)
     }
+}
+
+/// A series at `parts` steps from each value to the next, linear between them.
+fn along_chords<D: Scalar>(series: &[D], parts: usize) -> Vec<D> {
+    let mut fine = Vec::with_capacity(series.len().saturating_sub(1) * parts + 1);
+    for pair in series.windows(2) {
+        let way = pair[1] - pair[0];
+        fine.extend((0..parts).map(|k| pair[0] + way * (k as f64 / parts as f64)));
+    }
+    fine.extend(series.last());
+    fine
 }
 
 /// Mechanics of runs that others repeat, see [`RunMotion::twin`].

@@ -285,8 +285,8 @@ pub trait Cause: Hooks {
         0.0
     }
 
-    /// Steps from sample to sample through which the contact must be carried to follow what the stage does at these fitted
-    /// parameters (1: the samples follow it).
+    /// Steps from sample to sample through which the contact must be carried to follow what the stage or the channel does at these
+    /// fitted parameters (1: the samples follow it).
     fn steps_a_sample(&self, _p: &[f64], _run: &RunMotion) -> usize {
         1
     }

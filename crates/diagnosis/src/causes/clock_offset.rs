@@ -1,7 +1,7 @@
 //! Force and velocity channels are shifted against each other: F_rec(t) = F(t - d), d in s, positive where the force comes late.
 
 use friction::{ParameterSpec, Scalar};
-use rig::{Cause, Experiment, Place, Reach, Station};
+use rig::{Cause, Experiment, Place, Reach, RunMotion, Station};
 
 use super::grids;
 
@@ -46,6 +46,10 @@ impl Cause for ClockOffset {
 
     fn lateness_s(&self, p: &[f64]) -> f64 {
         p[0]
+    }
+
+    fn steps_a_sample(&self, p: &[f64], run: &RunMotion) -> usize {
+        grids::steps_within(p[0], run)
     }
 
     fn record<D: Scalar>(&self, p: &[D], at: Place<'_>, force_n: &mut [D]) {

@@ -1,7 +1,7 @@
 //! Places where a search over a shape (a wavelength, a time constant) should look, and bounds that fit a campaign.
 
 use friction::ParameterSpec;
-use rig::Experiment;
+use rig::{Experiment, RunMotion};
 
 /// Most places at which one period is looked for.
 const MOST_PERIODS: usize = 1500;
@@ -37,9 +37,23 @@ pub(super) fn duration_s(experiment: &Experiment) -> f64 {
 pub(super) fn delays_s(experiment: &Experiment) -> Vec<f64> {
     const MOST: usize = 4;
     let longest = 0.01 * duration_s(experiment);
-    let samples = experiment.runs.iter().map(|run| run.len()).max().unwrap_or(1);
+    let samples = experiment
+        .runs
+        .iter()
+        .map(|run| run.len())
+        .max()
+        .unwrap_or(1);
     let step = duration_s(experiment) / samples as f64;
     logarithmic(step.min(0.5 * longest), longest, MOST)
+}
+
+/// Steps from sample to sample for a filter or delay of so many seconds: one of a few samples sees how the force went between them.
+pub(super) fn steps_within(time_s: f64, run: &RunMotion) -> usize {
+    const STEPS: usize = 4;
+    const FEW: f64 = 5.0;
+    let step = (run.time_s[run.len() - 1] - run.time_s[0]) / (run.len() - 1).max(1) as f64;
+    let short = time_s != 0.0 && time_s.abs() < FEW * step;
+    if short { STEPS } else { 1 }
 }
 
 /// Time from the first run's start to the last one's end, s; the sum of the runs without a clock.

@@ -1,7 +1,7 @@
 //! First-order low-pass in the force channel: tau F_rec' = F - F_rec, tau in s; the record starts settled.
 
 use friction::{ParameterSpec, Scalar};
-use rig::{Cause, Experiment, Place, Reach, Station};
+use rig::{Cause, Experiment, Place, Reach, RunMotion, Station};
 
 use super::grids;
 
@@ -49,6 +49,10 @@ impl Cause for SensorLag {
 
     fn lateness_s(&self, p: &[f64]) -> f64 {
         p[0]
+    }
+
+    fn steps_a_sample(&self, p: &[f64], run: &RunMotion) -> usize {
+        grids::steps_within(p[0], run)
     }
 
     fn record<D: Scalar>(&self, p: &[D], at: Place<'_>, force_n: &mut [D]) {
