@@ -45,6 +45,7 @@ pub struct Estimate {
 }
 
 /// The parameters of a campaign, with what can and cannot be said of them.
+#[derive(Clone)]
 pub struct Identification {
     /// Name of the campaign.
     pub campaign: String,

@@ -106,12 +106,12 @@ pub(crate) fn with_interval(number: f64, interval: [f64; 2]) -> String {
         );
     }
     let decimals = usize::try_from((i32::from(digits) - 1 - exponent).max(0)).unwrap_or(0);
-    format!(
-        "{} [{}, {}]",
-        fixed(number, decimals),
-        fixed(low, decimals),
-        fixed(high, decimals)
-    )
+    // Zeros after the point would look like digits that are known.
+    let placed = |number: f64| match fixed(number, decimals) {
+        text if text.chars().all(|c| c == '0' || c == '.') => "0".to_owned(),
+        text => text,
+    };
+    format!("{} [{}, {}]", placed(number), placed(low), placed(high))
 }
 
 /// A unit as printed: powers raised, `percent` as its sign, `1` as nothing.
@@ -180,10 +180,10 @@ mod tests {
         assert_eq!(with_interval(18.604, [18.1, 19.1]), "18.60 [18.10, 19.10]");
         assert_eq!(
             with_interval(0.0, [0.0, 0.000_412_6]),
-            "0.00000 [0.00000, 0.00041]",
+            "0 [0, 0.00041]",
             "an estimate on its bound"
         );
-        assert_eq!(with_interval(0.0, [0.0, 9.251]), "0.0 [0.0, 9.3]");
+        assert_eq!(with_interval(0.0, [0.0, 9.251]), "0 [0, 9.3]");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //! noise band, rivals and what they lose, what remains unexplained and where, what to measure next.
 
 use campaign::Campaign;
-use diagnosis::answer::{Diagnosis, Finding, Share};
+use diagnosis::answer::{Diagnosis, Finding, LawFit, Share};
 use diagnosis::{Curves, Diagnosed, Status};
 use report::figure::{Axis, Band, BarGroup, BarPlot, Figure, Ink, LinePlot, Provenance, Series};
 use report::{
@@ -56,6 +56,7 @@ fn phrase(finding: &Finding) -> String {
 /// The blocks of one campaign's diagnosis; `prefix` keeps ids apart on a page with several.
 pub(crate) fn blocks(campaign: &Campaign, diagnosed: &Diagnosed, prefix: &str) -> Vec<Block> {
     let answer = &diagnosed.answer;
+    let evidence = evidence_of(campaign.provenance);
     let mut blocks = vec![Block::Chain(chain(answer, prefix))];
     for note in &answer.notes {
         blocks.push(Block::notice(NoticeKind::Note, "Note", literal(note)));
@@ -73,7 +74,7 @@ pub(crate) fn blocks(campaign: &Campaign, diagnosed: &Diagnosed, prefix: &str) -
         ));
     }
     if !answer.findings.is_empty() || answer.unexplained.detected {
-        blocks.push(findings(answer, prefix).into());
+        blocks.push(findings(answer, evidence, prefix).into());
         blocks.push(curves(campaign, &diagnosed.curves, prefix).into());
     }
     if answer
@@ -81,7 +82,7 @@ pub(crate) fn blocks(campaign: &Campaign, diagnosed: &Diagnosed, prefix: &str) -
         .iter()
         .any(|f| !f.evidence.rivals.is_empty())
     {
-        blocks.push(rivals(answer, prefix).into());
+        blocks.push(rivals(answer, evidence, prefix).into());
     }
     if lies_nowhere(&answer.anatomy) {
         blocks.push(Block::prose(nowhere(&answer.anatomy)));
@@ -89,13 +90,13 @@ pub(crate) fn blocks(campaign: &Campaign, diagnosed: &Diagnosed, prefix: &str) -
         blocks.push(shares(campaign, answer, prefix).into());
     }
     if !answer.laws.is_empty() {
-        blocks.push(laws(answer, prefix).into());
+        blocks.push(laws(answer, evidence, prefix).into());
     }
     if answer.status == Status::Consistent {
-        blocks.push(hidden(answer, prefix).into());
+        blocks.push(hidden(answer, evidence, prefix).into());
     }
     if !answer.undecidable.is_empty() {
-        blocks.push(undecidable(answer, prefix).into());
+        blocks.push(undecidable(answer, evidence, prefix).into());
     }
     blocks
 }
@@ -183,7 +184,7 @@ fn interval(value: f64, ci95: Option<[f64; 2]>) -> Cell {
     ci95.map_or_else(|| Cell::from(value), |ci| Cell::Interval(value, ci))
 }
 
-fn findings(answer: &Diagnosis, prefix: &str) -> Table {
+fn findings(answer: &Diagnosis, evidence: report::Evidence, prefix: &str) -> Table {
     let mut rows = Vec::new();
     for finding in &answer.findings {
         for (k, parameter) in finding.parameters.iter().enumerate() {
@@ -249,12 +250,13 @@ fn findings(answer: &Diagnosis, prefix: &str) -> Table {
             Column::text("next experiment"),
         ],
         rows,
+        evidence: Some(evidence),
         provenance: Some(Provenance::here(STAGE, "findings")),
         ..Table::default()
     }
 }
 
-fn rivals(answer: &Diagnosis, prefix: &str) -> Table {
+fn rivals(answer: &Diagnosis, evidence: report::Evidence, prefix: &str) -> Table {
     let rows = answer
         .findings
         .iter()
@@ -284,16 +286,35 @@ fn rivals(answer: &Diagnosis, prefix: &str) -> Table {
             Column::number("separation", "sd"),
         ],
         rows,
+        evidence: Some(evidence),
         provenance: Some(Provenance::here(STAGE, "rivals")),
         ..Table::default()
     }
 }
 
-fn laws(answer: &Diagnosis, prefix: &str) -> Table {
+/// An error beyond that of a law with a worse criterion by more than this share is not the least that its law can have.
+const OUT_OF_ORDER: f64 = 0.1;
+
+/// The error of the law in this place of the table, best criterion first. The criterion grants each run a gain, in the shape
+/// of the law that was asked for; where the gains take up what a law misses, its fit ends early and its error is as large as
+/// chance leaves it. Laws with a worse criterion and a smaller error give that away.
+fn error_of(laws: &[LawFit], place: usize) -> Cell {
+    let own = laws[place].rmse;
+    let behind = laws[place + 1..].iter().map(|law| law.rmse);
+    if own > (1.0 + OUT_OF_ORDER) * behind.fold(f64::INFINITY, f64::min) {
+        return Cell::Missing(
+            "given up early: the gains of the runs stand in for it, so neither column ranks this law"
+                .into(),
+        );
+    }
+    own.into()
+}
+
+fn laws(answer: &Diagnosis, evidence: report::Evidence, prefix: &str) -> Table {
     Table {
         id: format!("{prefix}-laws"),
         title: "All laws on this campaign".into(),
-        caption: "Each law fitted alone under the noise found with the law that was asked for: error of the fit, and corrected Akaike criterion above the best law's. A law far out of the race is given up before its fit has ended, and a gain of its own for each run takes up part of what a law misses: error and criterion need not order alike.".into(),
+        caption: "Each law fitted alone under the noise found with the law that was asked for: error of the fit, and corrected Akaike criterion above the best law's. A law far out of the race is given up before its fit has ended, and a gain of its own for each run takes up part of what a law misses: error and criterion need not order alike. A law that errs more than one with a worse criterion shows no error.".into(),
         columns: vec![
             Column::text("law"),
             Column::number("error", &answer.noise_floor.unit),
@@ -302,14 +323,16 @@ fn laws(answer: &Diagnosis, prefix: &str) -> Table {
         rows: answer
             .laws
             .iter()
-            .map(|l| vec![l.law.clone().into(), l.rmse.into(), l.delta_aicc.into()])
+            .enumerate()
+            .map(|(place, l)| vec![l.law.clone().into(), error_of(&answer.laws, place), l.delta_aicc.into()])
             .collect(),
+        evidence: Some(evidence),
         provenance: Some(Provenance::here(STAGE, "laws")),
         ..Table::default()
     }
 }
 
-fn hidden(answer: &Diagnosis, prefix: &str) -> Table {
+fn hidden(answer: &Diagnosis, evidence: report::Evidence, prefix: &str) -> Table {
     let mut hidden: Vec<_> = answer.hidden.iter().collect();
     hidden.sort_by(|a, b| (&a.cause, &a.parameter).cmp(&(&b.cause, &b.parameter)));
     Table {
@@ -338,12 +361,13 @@ fn hidden(answer: &Diagnosis, prefix: &str) -> Table {
                 ]
             })
             .collect(),
+        evidence: Some(evidence),
         provenance: Some(Provenance::here(STAGE, "hidden")),
         ..Table::default()
     }
 }
 
-fn undecidable(answer: &Diagnosis, prefix: &str) -> Table {
+fn undecidable(answer: &Diagnosis, evidence: report::Evidence, prefix: &str) -> Table {
     Table {
         id: format!("{prefix}-undecidable"),
         title: "What this protocol cannot decide, and what would".into(),
@@ -354,6 +378,7 @@ fn undecidable(answer: &Diagnosis, prefix: &str) -> Table {
             .iter()
             .map(|u| vec![u.causes.join(", ").into(), u.because.clone().into(), u.experiment.clone().into()])
             .collect(),
+        evidence: Some(evidence),
         provenance: Some(Provenance::here(STAGE, "undecidable")),
         ..Table::default()
     }
@@ -371,7 +396,7 @@ fn curves(campaign: &Campaign, curves: &Curves, prefix: &str) -> Figure {
     shown.truncate(SHOWN_RUNS);
     let mut series = Vec::new();
     let mut bands = Vec::new();
-    for (place, &k) in shown.iter().enumerate() {
+    for &k in &shown {
         let run = curves.runs[k].clone();
         let step = run.len().div_ceil(SHOWN_POINTS).max(1);
         let points = |y: &[f64]| -> Vec<[f64; 2]> {
@@ -380,15 +405,8 @@ fn curves(campaign: &Campaign, curves: &Curves, prefix: &str) -> Figure {
                 .map(|i| [curves.time_s[i], y[i]])
                 .collect()
         };
-        let label = |text: &str| {
-            if place == 0 {
-                text.to_owned()
-            } else {
-                String::new()
-            }
-        };
         bands.push(Band {
-            label: label("noise, 95 %"),
+            label: "noise, 95 %".into(),
             points: run
                 .clone()
                 .step_by(step)
@@ -400,17 +418,13 @@ fn curves(campaign: &Campaign, curves: &Curves, prefix: &str) -> Figure {
             ink: Ink::EXTENDED,
         });
         series.push(Series::dots(
-            &label("recorded"),
+            "recorded",
             Ink::DATA,
             points(&curves.measured),
         ));
+        series.push(Series::line("law alone", Ink::FORWARD, points(&curves.law)));
         series.push(Series::line(
-            &label("law alone"),
-            Ink::FORWARD,
-            points(&curves.law),
-        ));
-        series.push(Series::line(
-            &label("law with the named causes"),
+            "law with the named causes",
             Ink::EXTENDED,
             points(&curves.extended),
         ));
@@ -428,7 +442,7 @@ fn curves(campaign: &Campaign, curves: &Curves, prefix: &str) -> Figure {
     Figure::new(
         &format!("{prefix}-curves"),
         "Before and after",
-        "Recorded force, the law alone, and the law with the named causes within the noise band; the first run each way.",
+        "Recorded force, the law alone, and the law with the named causes within the noise band; the first run each way (that in reverse has the negative forces).",
         evidence_of(campaign.provenance),
         plot,
         Provenance::here(STAGE, "curves"),
@@ -467,8 +481,15 @@ fn shares(campaign: &Campaign, answer: &Diagnosis, prefix: &str) -> Figure {
     Figure::new(
         &format!("{prefix}-anatomy"),
         "Where the error of the law alone lies",
-        "Share of the explainable error (total less noise floor) that the means in bins along each axis hold. In a ramp, time, place and \
-         speed are one another, so shares overlap.",
+        format!(
+            "Share of the explainable error (total less noise floor) that the means in bins along each axis hold. In a ramp, time, place \
+             and speed are one another, so shares overlap.{}",
+            if answer.status == Status::Consistent {
+                " The law agrees with this campaign to within its noise: what is shared out here is a remainder that noise alone can leave."
+            } else {
+                ""
+            }
+        ),
         evidence_of(campaign.provenance),
         plot,
         Provenance::here(STAGE, "shares"),
@@ -486,6 +507,25 @@ mod tests {
             profile: Vec::new(),
             unit: "1".into(),
         }
+    }
+
+    #[test]
+    fn an_error_that_laws_with_a_worse_criterion_undercut_is_not_shown() {
+        let law = |rmse: f64, delta_aicc: f64| LawFit {
+            law: "dahl".into(),
+            rmse,
+            delta_aicc,
+        };
+        let laws = [
+            law(0.01, 0.0),
+            law(0.64, 558.0),
+            law(0.302, 5552.0),
+            law(0.3, 5577.0),
+        ];
+        let shown: Vec<bool> = (0..laws.len())
+            .map(|place| matches!(error_of(&laws, place), Cell::Number(_)))
+            .collect();
+        assert_eq!(shown, [true, false, true, true]);
     }
 
     #[test]

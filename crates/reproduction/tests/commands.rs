@@ -322,3 +322,56 @@ fn two_processes_with_one_thread_and_with_all_leave_the_same_bytes() {
     assert!(!out.join(".twice").exists(), "no trace is left");
     assert!(out.join(".cache").is_dir(), "what was computed is kept");
 }
+
+/// A folder holds what its report says and what strangers put there: an earlier run's files go with the run that made them,
+/// so that a folder with a past is, for `merge --like`, the same as a new one.
+#[test]
+fn a_folder_with_a_past_holds_what_its_last_run_wrote_and_what_strangers_put_there() {
+    let home = TempDir::new().unwrap();
+    let [used, new, part] = ["used", "new", "part"].map(|name| home.path().join(name));
+    let reproduce = |stages: &[&str], out: &std::path::Path| {
+        let stages = stages.iter().flat_map(|stage| ["--stage", stage]);
+        let words = ["reproduce", "--out", out.to_str().unwrap()];
+        let answer = run(&words.into_iter().chain(stages).collect::<Vec<_>>());
+        assert_eq!(answer.code, 0, "{}", answer.stderr);
+        answer
+    };
+    let names = |folder: &std::path::Path| -> std::collections::BTreeSet<String> {
+        let parts = ["tables", "figures"].map(|part| folder.join(part));
+        let files = parts
+            .iter()
+            .filter_map(|part| fs::read_dir(part).ok())
+            .flatten();
+        files
+            .map(|file| file.unwrap().file_name().into_string().unwrap())
+            .collect()
+    };
+    reproduce(&["audit", "envelope"], &used);
+    let own = used.join("tables/own.csv");
+    fs::write(&own, "a,b\n").unwrap();
+    reproduce(&["audit"], &new);
+    let (before, after) = (names(&used), names(&new));
+    let altered = before
+        .difference(&after)
+        .map(|name| used.join("tables").join(name))
+        .find(|table| table.is_file() && *table != own)
+        .unwrap();
+    fs::write(&altered, "my notes").unwrap();
+
+    let said = reproduce(&["audit"], &used).stderr;
+    assert!(said.contains(altered.to_str().unwrap()), "{said}");
+    assert_eq!(fs::read_to_string(&altered).unwrap(), "my notes");
+    let strangers = [&own, &altered];
+    for stranger in strangers {
+        fs::remove_file(stranger).expect("no stranger's file is taken away");
+    }
+    assert_eq!(names(&used), after);
+    assert!(before.len() > after.len() + strangers.len());
+    let part = part.to_str().unwrap();
+    assert_eq!(run(&["run-task", "audit", "--out", part]).code, 0);
+    let [used, new] = [&used, &new].map(|folder| folder.to_str().unwrap());
+    let merged = run(&[
+        "merge", part, "--stage", "audit", "--out", used, "--like", new,
+    ]);
+    assert_eq!(merged.code, 0, "{merged:?}");
+}

@@ -200,7 +200,7 @@ impl Cards<'_> {
                 verdict.word()
             ),
             Cell::Missing(why) => format!(
-                "<span class=\"absent\" title=\"{0}\">– <span class=\"unseen\">{0}</span></span>",
+                "<span class=\"absent\">– <span class=\"why\">{}</span></span>",
                 html(why)
             ),
         })

@@ -137,6 +137,10 @@ fn claim_view(claim: &ClaimRow, document: &Document, lookup: &Lookup<'_>) -> Res
             class, symbol, word,
         })
     })?;
+    let deviates = document
+        .deviations
+        .iter()
+        .find(|item| item.claim == claim.id);
     let figures: Vec<String> = claim
         .figures
         .iter()
@@ -160,7 +164,10 @@ fn claim_view(claim: &ClaimRow, document: &Document, lookup: &Lookup<'_>) -> Res
         values,
         figures => safe(figures.join(", ")),
         pinned_by => &claim.pinned_by,
-        deviates => document.deviations.iter().any(|item| item.claim == claim.id),
+        deviates => deviates.map(|item| Ok::<_, Error>(context! {
+            cause => item.cause.words(),
+            settles => inline(&item.settles)?,
+        })).transpose()?,
         multiverse => claim.multiverse.as_ref().map(|m| multiverse(m, lookup, &place)).transpose()?,
     })
 }

@@ -45,6 +45,7 @@ fn set(text: &str, plain: bool) -> String {
             '"' if before.is_whitespace() || matches!(before, '(' | '[') => out.push('“'),
             '"' => out.push('”'),
             '\'' if before.is_alphanumeric() => out.push('’'),
+            '-' if minus(rest, before) => out.push('\u{2212}'),
             other if plain => out.push_str(&literal(&other.to_string())),
             other => out.push(other),
         }
@@ -52,6 +53,12 @@ fn set(text: &str, plain: bool) -> String {
         rest = &rest[character.len_utf8()..];
     }
     out
+}
+
+/// Whether a hyphen stands for the sign of a number: one that begins a word and is followed by a digit.
+fn minus(text: &str, before: char) -> bool {
+    (before.is_whitespace() || matches!(before, '(' | '['))
+        && text[1..].starts_with(|c: char| c.is_ascii_digit())
 }
 
 /// The symbol whose name starts the text and is a word of its own there.

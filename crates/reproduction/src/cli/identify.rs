@@ -16,7 +16,7 @@ pub(super) fn run(arguments: &IdentifyArguments) -> Result<Outcome, Failure> {
     eprintln!("identifying {} from {} runs", law.id(), campaign.runs.len());
     let found = identify(&campaign, &Question::of(law)).map_err(Failure::input)?;
     eprintln!("fitting the other laws");
-    let laws = compare_laws(&campaign);
+    let laws = compare_laws(&campaign, &found);
     let word = word(&campaign, &found, &laws);
     print(&found, &word);
     let answer = answer(&found, &laws, &word);

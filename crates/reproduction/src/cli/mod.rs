@@ -16,6 +16,7 @@ mod reproduce;
 mod root;
 mod run_task;
 mod simulate;
+mod sweep;
 mod twice;
 
 use std::path::PathBuf;

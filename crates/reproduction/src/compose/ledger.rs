@@ -83,7 +83,21 @@ fn tolerance(check: &Check) -> String {
     if check.tolerance == 0.0 {
         return "none".to_owned();
     }
-    report::printed_with_unit(&stated(check.tolerance), &check.unit)
+    report::printed_with_unit(&stated(check.tolerance), distance_unit(check))
+}
+
+/// The unit of a distance from what is printed: between percentages lie points, and a count stands alone.
+fn distance_unit(check: &Check) -> &str {
+    let counted = check.ours.is_some_and(|ours| {
+        [ours, check.allowed]
+            .iter()
+            .all(|side| side.lower == side.upper && side.lower.fract() == 0.0)
+    });
+    match check.unit.as_str() {
+        "percent" if !in_words(check) => "points",
+        _ if counted && check.tolerance == 0.0 => "1",
+        unit => unit,
+    }
 }
 
 /// How far ours lies outside. What is held against no number lies outside of nothing: there the tolerance is the measure.
@@ -93,7 +107,10 @@ fn outside(check: &Check) -> Option<String> {
         let times = significant(gap / check.tolerance);
         return (check.agrees() == Some(false)).then(|| format!("{times} times the tolerance"));
     }
-    Some(report::printed_with_unit(&significant(gap), &check.unit))
+    Some(report::printed_with_unit(
+        &significant(gap),
+        distance_unit(check),
+    ))
 }
 
 /// A statement in words, such as "agree" or "very small", is compared with zero: the paper does not print the zero.
@@ -138,8 +155,8 @@ fn deviation(checks: &[Check]) -> Option<String> {
         .iter()
         .filter_map(|check| {
             let outside = outside(check)?;
-            let word = if in_words(check) { "" } else { " outside" };
-            Some(format!("{}: {outside}{word}", check.label))
+            let word = if in_words(check) { "" } else { "outside by " };
+            Some(format!("{}: {word}{outside}", check.label))
         })
         .collect();
     (!outside.is_empty()).then(|| outside.join("; "))

@@ -30,7 +30,8 @@ pub struct Judged {
     pub checks: Vec<Check>,
     /// The verdict.
     pub verdict: Verdict,
-    /// The weakest evidence among the comparisons; that of the nature of the claim where there is none.
+    /// The weakest evidence among the comparisons; where nothing is compared, what the paper prints is all that was
+    /// looked at.
     pub evidence: Evidence,
 }
 
@@ -75,15 +76,10 @@ pub fn judge(claim: &Claim, facts: &Facts<'_>) -> Result<Judged, PublishedError>
             problem: "no judgement has this id".to_owned(),
         })?;
     let checks = judgement(claim, facts)?;
-    let fallback = match claim.nature {
-        judge::Nature::Arithmetic => Evidence::Published,
-        judge::Nature::Computation | judge::Nature::Reading => Evidence::Computed,
-        judge::Nature::Measurement | judge::Nature::Untestable => Evidence::Synthetic,
-    };
     Ok(Judged {
         id: claim.id.clone(),
         verdict: judge::verdict(claim.nature, claim.combine, &checks),
-        evidence: judge::weakest(&checks).unwrap_or(fallback),
+        evidence: judge::weakest(&checks).unwrap_or(Evidence::Published),
         checks,
     })
 }

@@ -227,7 +227,37 @@ fn entries(plot: &LinePlot) -> Vec<(Swatch, String)> {
             entries.push((swatch, label.clone()));
         }
     }
-    entries
+    alike_together(entries)
+}
+
+/// Entries that look alike and share the first words of their names, up to a comma, become one: nobody could tell them
+/// apart by the legend, and the data keep their names.
+fn alike_together(entries: Vec<(Swatch, String)>) -> Vec<(Swatch, String)> {
+    let mut groups: Vec<(Swatch, Vec<String>)> = Vec::new();
+    for (swatch, label) in entries {
+        let shared = |other: &String| {
+            let stem = |label: &str| label.split_once(", ").map(|(stem, _)| stem.to_owned());
+            stem(other).is_some() && stem(other) == stem(&label)
+        };
+        match groups
+            .iter_mut()
+            .find(|(other, labels)| *other == swatch && labels.iter().all(shared))
+        {
+            Some((_, labels)) => labels.push(label),
+            None => groups.push((swatch, vec![label])),
+        }
+    }
+    let named = |(swatch, labels): (Swatch, Vec<String>)| {
+        let name = match labels.as_slice() {
+            [one] => one.clone(),
+            several => {
+                let stem = several[0].split_once(", ").map_or("", |(stem, _)| stem);
+                format!("{stem}, all {}", several.len())
+            }
+        };
+        (swatch, name)
+    };
+    groups.into_iter().map(named).collect()
 }
 
 /// The axes of the view: the paper's limits, else the axis's own, else the data's.
@@ -313,4 +343,34 @@ fn equal(x: &Ruler, y: &Ruler, width: f64, height: f64) -> (Ruler, Ruler) {
         Ruler::new(widen(x0, x1, width), Scale::Linear, 9),
         Ruler::new(widen(y0, y1, height), Scale::Linear, 6),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_looks_alike_is_one_entry_and_what_does_not_keeps_its_own() {
+        let entry = |ink, label: &str| (Swatch::Series(ink, Mark::Line), label.to_owned());
+        let entries = vec![
+            entry(Ink::FORWARD, "forward, repeat 1"),
+            entry(Ink::FORWARD, "forward, repeat 2"),
+            entry(Ink::REVERSE, "reverse, repeat 1"),
+            entry(Ink::FORWARD, "law alone"),
+            (Swatch::Area(Ink::FORWARD), "forward, repeat 3".to_owned()),
+        ];
+        let names: Vec<String> = alike_together(entries)
+            .into_iter()
+            .map(|(_, name)| name)
+            .collect();
+        assert_eq!(
+            names,
+            [
+                "forward, all 2",
+                "reverse, repeat 1",
+                "law alone",
+                "forward, repeat 3"
+            ]
+        );
+    }
 }

@@ -31,7 +31,7 @@ pub(super) enum Anchor {
 }
 
 /// What a legend entry shows beside its name.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Swatch {
     Series(Ink, Mark),
     Plain(Ink),

@@ -161,7 +161,7 @@ impl Stage for Identification {
             .collect::<Result<Vec<_>, _>>()?;
         let aluminium = &materials[0];
         context.say("setting seven laws side by side");
-        let laws = compare_laws(&aluminium.campaign);
+        let laws = compare_laws(&aluminium.campaign, &aluminium.found);
         context.say("holding the lean, following the scale ray");
         let leans = held_leans(context, aluminium)?;
         let paper = ray(context, aluminium)?;
