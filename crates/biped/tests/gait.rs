@@ -325,6 +325,29 @@ fn a_stride_is_found_from_its_neighbours_and_kept_until_a_better_one_comes() {
 }
 
 #[test]
+fn starts_are_counted_by_the_list_of_those_tried() {
+    let weight = 0.01;
+    let name = Name::rigid(Mount::Symmetric, weight, 20.0);
+    let start = Start::cold(shipped("rigid", "symmetric", weight, 20.0));
+    let problem = name.problem(&sample::biped(), sample::brush());
+    let mut book = Book::default();
+    let options = Options::default();
+    book.add(vec![(name, problem, vec![start.clone()])], &options)
+        .unwrap();
+    let count = |book: &Book| {
+        let outcome = book.entries[0].outcome.as_ref().unwrap();
+        (outcome.found_by, outcome.tried, book.entries[0].tried.len())
+    };
+    assert_eq!(count(&book), (1, 1, 1));
+    book.offer(0, start.clone(), &options).unwrap();
+    assert_eq!(count(&book), (2, 2, 2));
+    // Which starts made the count is lost: it may contain any that comes.
+    book.entries[0].tried.clear();
+    book.offer(0, start, &options).unwrap();
+    assert_eq!(count(&book), (1, 1, 1));
+}
+
+#[test]
 fn a_finer_mesh_holds_the_same_stride_and_takes_its_error_away() {
     let problem = problem(
         Contact::Rigid(Touchdown::Impact),
