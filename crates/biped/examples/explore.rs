@@ -23,8 +23,9 @@ mod sample;
 mod store;
 
 const TARGETS: [f64; 2] = [8.0, 20.0];
-/// Steps that a solve may take.
-const STEPS: usize = 80;
+/// Steps that a solve may take: 19 of the 21 strides of a cold sweep are reached in fewer, and in the same time many starts find
+/// more than long ones.
+const STEPS: usize = 40;
 /// Starts that should find a stride.
 const STARTS: usize = 3;
 /// Starts tried at one problem before the next one has its turn.
