@@ -3,10 +3,11 @@
 mod sample;
 
 use biped::contact::{Brush, Ground};
-use biped::gait::book::{Book, Looked};
+use biped::gait::book::{Book, Looked, Source};
 use biped::gait::catalogue::{CONTACT, Choice, Mount, Name, all};
 use biped::gait::chain::{Case, Outcome, solve_all};
 use biped::gait::cold;
+use biped::gait::file::StridesFile;
 use biped::gait::layout::Layout;
 use biped::gait::programme::Stride;
 use biped::gait::refine::on_mesh;
@@ -345,6 +346,28 @@ fn starts_are_counted_by_the_list_of_those_tried() {
     book.entries[0].tried.clear();
     book.offer(0, start, &options).unwrap();
     assert_eq!(count(&book), (1, 1, 1));
+}
+
+#[test]
+fn the_shipped_counts_are_those_of_the_list_beside_them() {
+    let file: StridesFile =
+        serde_json::from_str(include_str!("../../../data/strides.json")).unwrap();
+    let list: Vec<(Name, Source)> =
+        serde_json::from_str(include_str!("../../../data/strides.json.tried")).unwrap();
+    let mut searched = 0;
+    for row in &file.starts {
+        let search = row.search.expect("every shipped stride has a record");
+        assert!(search.found <= search.tried, "{:?}", row.name);
+        let listed = list.iter().filter(|(name, _)| *name == row.name).count();
+        // Records without a list are older than it.
+        assert!(
+            listed == 0 || listed == search.tried,
+            "{:?}: {listed} starts listed, {search:?}",
+            row.name
+        );
+        searched += usize::from(listed > 0);
+    }
+    assert!(searched > 0);
 }
 
 #[test]
