@@ -1,22 +1,26 @@
 //! The sweep of Fig. 12 from nothing: one guess, walked to the compliant contact, then every brush along the weights, and what
 //! stays open once more from its neighbours. Prints every solve, how many of the 21 strides are certified, and the time.
 //!
-//! `cargo run --release -p biped --example cold_sweep -- [FILE]`; FILE as data/strides.json, to compare costs with. Two threads:
-//! `RAYON_NUM_THREADS=2`.
+//! `cargo run --release -p biped --example cold_sweep -- [FILE [OUT]]`; FILE as data/strides.json, to compare costs with; OUT gets the
+//! strides, for the example `explore` to go on from. Two threads: `RAYON_NUM_THREADS=2`.
 
 use biped::gait::catalogue::{CONTACT, Mount, Name, WEIGHTS};
 use biped::gait::chain::{Case, Outcome, solve_all};
 use biped::gait::cold::walk;
-use biped::gait::file::StridesFile;
 use biped::gait::programme::Stride;
 use biped::gait::start::Guess;
 use rayon::prelude::*;
 use std::error::Error;
+use std::path::Path;
 use std::time::Instant;
 use trajectory::{Options, Start, solve};
 
 #[path = "../tests/sample/mod.rs"]
 mod sample;
+mod store;
+
+const ABOUT: &str =
+    "Strides of one cold sweep (cargo run --release -p biped --example cold_sweep).";
 
 const AIM_M_S: f64 = 20.0;
 /// Steps that a solve from a neighbour may take.
@@ -43,7 +47,16 @@ fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
     fill(&mut found)?;
     let seconds = clock.elapsed();
     if let Some(path) = std::env::args().nth(1) {
-        compare(&found, &path)?;
+        compare(&found, Path::new(&path))?;
+    }
+    if let Some(out) = std::env::args().nth(2) {
+        let certified = found
+            .iter()
+            .filter_map(|(name, stride)| Some((name, stride.as_ref()?)));
+        let rows: Vec<_> = certified
+            .map(|(name, stride)| store::row(*name, None, &stride.x))
+            .collect::<Result<_, _>>()?;
+        store::write(Path::new(&out), ABOUT, rows)?;
     }
     println!(
         "{} of {} certified in {seconds:.1?} on {} threads",
@@ -151,10 +164,10 @@ fn fill(found: &mut [Found]) -> Result<(), trajectory::ProgrammeError> {
 }
 
 /// Costs beside those of the strides in a file, which many starts have improved.
-fn compare(found: &[Found], path: &str) -> Result<(), Box<dyn Error + Send + Sync>> {
-    let file: StridesFile = serde_json::from_str(&std::fs::read_to_string(path)?)?;
+fn compare(found: &[Found], path: &Path) -> Result<(), Box<dyn Error + Send + Sync>> {
+    let starts = store::read(path)?;
     for (name, stride) in found {
-        let row = file.starts.iter().find(|row| row.name == *name);
+        let row = starts.iter().find(|row| row.name == *name);
         let (Some(stride), Some(row)) = (stride, row) else {
             continue;
         };

@@ -3,10 +3,11 @@
 mod sample;
 
 use biped::contact::{Brush, Ground};
-use biped::gait::book::{Book, Looked};
+use biped::gait::book::{Book, Looked, Source};
 use biped::gait::catalogue::{CONTACT, Choice, Mount, Name, all};
 use biped::gait::chain::{Case, Outcome, solve_all};
 use biped::gait::cold;
+use biped::gait::file::StridesFile;
 use biped::gait::layout::Layout;
 use biped::gait::programme::Stride;
 use biped::gait::refine::on_mesh;
@@ -322,6 +323,51 @@ fn a_stride_is_found_from_its_neighbours_and_kept_until_a_better_one_comes() {
     assert_eq!(tried, 0, "two problems settle");
     // More grip pays.
     assert!(cost(&book, 1) < cost(&book, 0));
+}
+
+#[test]
+fn starts_are_counted_by_the_list_of_those_tried() {
+    let weight = 0.01;
+    let name = Name::rigid(Mount::Symmetric, weight, 20.0);
+    let start = Start::cold(shipped("rigid", "symmetric", weight, 20.0));
+    let problem = name.problem(&sample::biped(), sample::brush());
+    let mut book = Book::default();
+    let options = Options::default();
+    book.add(vec![(name, problem, vec![start.clone()])], &options)
+        .unwrap();
+    let count = |book: &Book| {
+        let outcome = book.entries[0].outcome.as_ref().unwrap();
+        (outcome.found_by, outcome.tried, book.entries[0].tried.len())
+    };
+    assert_eq!(count(&book), (1, 1, 1));
+    book.offer(0, start.clone(), &options).unwrap();
+    assert_eq!(count(&book), (2, 2, 2));
+    // Which starts made the count is lost: it may contain any that comes.
+    book.entries[0].tried.clear();
+    book.offer(0, start, &options).unwrap();
+    assert_eq!(count(&book), (1, 1, 1));
+}
+
+#[test]
+fn the_shipped_counts_are_those_of_the_list_beside_them() {
+    let file: StridesFile =
+        serde_json::from_str(include_str!("../../../data/strides.json")).unwrap();
+    let list: Vec<(Name, Source)> =
+        serde_json::from_str(include_str!("../../../data/strides.json.tried")).unwrap();
+    let mut searched = 0;
+    for row in &file.starts {
+        let search = row.search.expect("every shipped stride has a record");
+        assert!(search.found <= search.tried, "{:?}", row.name);
+        let listed = list.iter().filter(|(name, _)| *name == row.name).count();
+        // Records without a list are older than it.
+        assert!(
+            listed == 0 || listed == search.tried,
+            "{:?}: {listed} starts listed, {search:?}",
+            row.name
+        );
+        searched += usize::from(listed > 0);
+    }
+    assert!(searched > 0);
 }
 
 #[test]

@@ -22,6 +22,7 @@
 use crate::iterate::Iterate;
 use crate::model::Structure;
 use crate::newton::{ActiveSet, Limits, NewtonStep, NewtonSystem};
+use crate::optimality::{gap, multiplier_size};
 use crate::pattern::max_abs;
 use crate::shift::{NEAREST, Shift};
 
@@ -36,7 +37,8 @@ const NEARLY: usize = 40;
 const FEW: usize = 12;
 /// Most shifts tried at one point.
 const SHIFTS: usize = 10;
-/// Slack with which limits and signs are judged (scaled).
+/// Slack with which limits and signs are judged: crossings in scaled units, signs by the complementarity they leave. That is what a
+/// certified point may have, so that no limit is kept which alone would withhold the certificate.
 const SLACK: f64 = 1e-9;
 
 /// A settled step: minimiser of the subproblem with `hessian`, on `active`.
@@ -203,7 +205,8 @@ fn contradictions(
     active: &ActiveSet,
     limits: &Limits,
 ) -> Vec<Change> {
-    let slack = SLACK * (1.0 + max_abs(&step.y));
+    // What the optimality error will say of a limit that holds with the wrong sign, in the same scale.
+    let slack = SLACK * multiplier_size(&step.y, &step.z);
     let mut moved = at.rows.clone();
     s.jacobian.add_product(&at.jacobian, &step.d, &mut moved);
     // The limit that is crossed, or `NAN` for one that holds with the wrong sign.
@@ -211,9 +214,7 @@ fn contradictions(
         if lower == upper {
             None
         } else if held {
-            let wrong =
-                (limit == upper && multiplier < -slack) || (limit == lower && multiplier > slack);
-            wrong.then_some(f64::NAN)
+            (gap(limit, multiplier, lower, upper) > slack).then_some(f64::NAN)
         } else if value > upper + SLACK {
             Some(upper)
         } else {

@@ -43,26 +43,34 @@ pub(crate) fn optimality_error(
 ) -> OptimalityError {
     let mut pull: Vec<f64> = gradient.iter().zip(z).map(|(g, z)| g + z).collect();
     s.jacobian.add_transposed_product(jacobian, y, &mut pull);
-    let count = (y.len() + z.len()).max(1) as f64;
-    let total: f64 = y.iter().chain(z).map(|v| v.abs()).sum();
-    let size = (total / count / 100.0).max(1.0);
-    let gap = |value: f64, multiplier: f64, lower: f64, upper: f64| {
-        let distance = if multiplier > 0.0 {
-            upper - value
-        } else {
-            value - lower
-        };
-        if multiplier == 0.0 || lower == upper {
-            0.0
-        } else {
-            multiplier.abs() * distance.abs().min(1.0)
-        }
-    };
+    let size = multiplier_size(y, z);
     let row_gap = (0..s.rows()).map(|r| gap(rows[r], y[r], s.row_lower[r], s.row_upper[r]));
     let bound_gap = (0..s.variables()).map(|v| gap(x[v], z[v], s.lower[v], s.upper[v]));
     OptimalityError {
         stationarity: max_abs(&pull) / size,
         violation: merit::worst_violation(s, rows),
         complementarity: row_gap.chain(bound_gap).fold(0.0, f64::max) / size,
+    }
+}
+
+/// s = max(1, mean |multiplier| / 100): what errors that grow with the multipliers are divided by.
+pub(crate) fn multiplier_size(y: &[f64], z: &[f64]) -> f64 {
+    let count = (y.len() + z.len()).max(1) as f64;
+    let total: f64 = y.iter().chain(z).map(|v| v.abs()).sum();
+    (total / count / 100.0).max(1.0)
+}
+
+/// |multiplier| · distance of `value` to the limit that its sign speaks of, at most |multiplier|. At a limit this is zero for
+/// the right sign.
+pub(crate) fn gap(value: f64, multiplier: f64, lower: f64, upper: f64) -> f64 {
+    let distance = if multiplier > 0.0 {
+        upper - value
+    } else {
+        value - lower
+    };
+    if multiplier == 0.0 || lower == upper {
+        0.0
+    } else {
+        multiplier.abs() * distance.abs().min(1.0)
     }
 }

@@ -3,7 +3,8 @@
 mod library;
 
 use library::special::{
-    ContradictingLinearisation, DoubledRow, FlatValley, Impossible, Maratos, OutsideDomain, Saddle,
+    ContradictingLinearisation, DoubledRow, FlatValley, Impossible, LightLimit, Maratos,
+    OutsideDomain, Saddle,
 };
 use trajectory::{
     Block, Multipliers, Options, Programme, ProgrammeError, Row, Scalar, Solution, Start, Status,
@@ -96,6 +97,23 @@ fn a_saddle_is_not_certified() {
     assert!((off.cost + 4.0).abs() < 1e-12 && (off.multipliers.bounds[1] - 4.0).abs() < 1e-9);
     let endless = run(&Saddle { bounded: false }, &[1.0, 0.1], &Options::default());
     assert!(!endless.status.is_solved(), "{:?}", endless.status);
+}
+
+/// The sign of a multiplier is judged as the optimality error judges it, not by the size of the others: else the limit that it
+/// belongs to is never left, and the error never falls.
+#[test]
+fn a_light_limit_beside_a_heavy_one_is_left() {
+    let start = Start {
+        x: vec![0.0, 0.0],
+        multipliers: Some(Multipliers {
+            rows: vec![-LightLimit::HEAVY],
+            bounds: vec![0.0, LightLimit::LIGHT],
+        }),
+    };
+    let solution = solve(&LightLimit, &start, &Options::default()).expect("a programme");
+    assert_eq!(solution.status, Status::Solved);
+    assert!((solution.x[1] - LightLimit::LIGHT).abs() < 1e-12);
+    assert_eq!(solution.multipliers.bounds[1], 0.0);
 }
 
 /// Without pivoting and with unscaled rows, rounding drowns this curvature; shifts may bend neither step nor certificate.

@@ -27,7 +27,7 @@ pub struct Entry {
     pub problem: Problem,
     /// The best stride so far.
     pub outcome: Option<Outcome>,
-    /// Starts that it was solved from.
+    /// Starts that it was solved from; a start that is no stride of the book stands under its own name.
     pub tried: Vec<Source>,
 }
 
@@ -42,6 +42,15 @@ impl Entry {
         self.tried
             .iter()
             .any(|&(known, at)| known == name && same(at))
+    }
+
+    /// Where no list of starts was kept, nothing tells whether a start was counted before: the count begins from nothing.
+    fn count_from_list(&mut self) {
+        if self.tried.is_empty()
+            && let Some(outcome) = &mut self.outcome
+        {
+            (outcome.found_by, outcome.tried) = (0, 0);
+        }
     }
 
     /// Merges a find; whether it is better than what stood here.
@@ -93,12 +102,13 @@ impl Book {
             })
             .collect();
         let outcomes = solve_all(&cases, options)?;
-        for ((name, problem, _), outcome) in named.into_iter().zip(outcomes) {
+        for ((name, problem, starts), outcome) in named.into_iter().zip(outcomes) {
+            let source = outcome.as_ref().map(|o| (name, o.cost));
             self.entries.push(Entry {
                 name,
                 problem,
                 outcome,
-                tried: Vec::new(),
+                tried: source.into_iter().cycle().take(starts.len()).collect(),
             });
         }
         Ok(())
@@ -127,9 +137,36 @@ impl Book {
             .pop()
             .flatten();
         let entry = &mut self.entries[place];
+        entry.count_from_list();
         entry.tried.extend(sources);
         let better = found.is_some_and(|outcome| entry.take(outcome));
         Ok(Looked { tried, better })
+    }
+
+    /// Solves the problem at `place` from a start that is no stride of this book; it counts as one start.
+    ///
+    /// # Errors
+    /// As [`Book::add`].
+    pub fn offer(
+        &mut self,
+        place: usize,
+        start: Start,
+        options: &Options,
+    ) -> Result<Looked, ProgrammeError> {
+        let problem = self.entries[place].problem;
+        let case = Case {
+            problem,
+            starts: vec![start],
+        };
+        let found = solve_all(&[case], options)?.pop().flatten();
+        let entry = &mut self.entries[place];
+        let Some(outcome) = found else {
+            return Ok(Looked::default());
+        };
+        entry.count_from_list();
+        entry.tried.push((entry.name, outcome.cost));
+        let better = entry.take(outcome);
+        Ok(Looked { tried: 1, better })
     }
 
     /// Walks to the contact of the problem at `place` from the nearest certified stride of another stiffness or loss, in

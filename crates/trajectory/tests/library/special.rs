@@ -160,3 +160,32 @@ impl Programme for FlatValley {
         c[1] = (x[2] - x[3] - 1.0) * 300.0;
     }
 }
+
+/// A limit that has to be left beside one with a multiplier of thousands: min 5000 x₁ + (x₂ − 2·10⁻⁶)²/2, x₁ ≥ 0 as a row, x₂ ≥ 0;
+/// minimum at (0, 2·10⁻⁶). At x₂ = 0 the multiplier of the wrong sign is 2·10⁻⁶.
+pub struct LightLimit;
+
+impl LightLimit {
+    /// Where x₂ has its minimum.
+    pub const LIGHT: f64 = 2e-6;
+    /// Slope of the cost along x₁.
+    pub const HEAVY: f64 = 5e3;
+}
+
+impl Programme for LightLimit {
+    fn variables(&self) -> Vec<Variable> {
+        let positive = Variable::new("x2", 0.0, f64::INFINITY, 1.0);
+        vec![Variable::free("x1", 1.0), positive]
+    }
+
+    fn blocks(&self) -> Vec<Block> {
+        let above = Row::between(0.0, f64::INFINITY, 1.0);
+        vec![Block::new("heavy", vec![0, 1], vec![above])]
+    }
+
+    fn evaluate<D: Scalar>(&self, _: usize, x: &[D], f: &mut D, c: &mut [D]) {
+        let off = x[1] - Self::LIGHT;
+        *f = x[0] * Self::HEAVY + off * off * 0.5;
+        c[0] = x[0];
+    }
+}
