@@ -52,8 +52,7 @@ pub(super) fn steps_within(time_s: f64, run: &RunMotion) -> usize {
     const STEPS: usize = 4;
     const FEW: f64 = 5.0;
     let step = (run.time_s[run.len() - 1] - run.time_s[0]) / (run.len() - 1).max(1) as f64;
-    let short = time_s != 0.0 && time_s.abs() < FEW * step;
-    if short { STEPS } else { 1 }
+    if time_s.abs() < FEW * step { STEPS } else { 1 }
 }
 
 /// Time from the first run's start to the last one's end, s; the sum of the runs without a clock.
