@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use friction::{Drive, IntegrationError, Law, Record, Scalar, integrate};
 
 use crate::cord::{Corded, tension};
+use crate::refined::between;
 use crate::signal::slope;
 use crate::{ChainScalar, Coupling, Experiment, Hook, Model, Place, Reach, RunMotion, Station};
 
@@ -155,7 +156,7 @@ impl<D: ChainScalar> Pass<'_, D> {
             };
             force = fine.iter().step_by(parts).copied().collect();
             beside_chords = (followed && parts > 1).then(|| {
-                let chords = along_chords(&force, parts);
+                let chords = between(&force, parts);
                 fine.iter().zip(chords).map(|(&f, c)| f - c).collect()
             });
         }
@@ -213,7 +214,7 @@ impl<D: ChainScalar> Pass<'_, D> {
         match beside_chords.filter(|_| !corded) {
             None => record_of(run, &mut force),
             Some(beside) => {
-                let mut fine = along_chords(&force, parts);
+                let mut fine = between(&force, parts);
                 for (f, b) in fine.iter_mut().zip(beside) {
                     *f += b;
                 }
@@ -386,17 +387,6 @@ impl<D: ChainScalar> Pass<'_, D> {
         }
         coefficients(law, record, initial)
     }
-}
-
-/// A series at `parts` steps from each value to the next, linear between them.
-fn along_chords<D: Scalar>(series: &[D], parts: usize) -> Vec<D> {
-    let mut fine = Vec::with_capacity(series.len().saturating_sub(1) * parts + 1);
-    for pair in series.windows(2) {
-        let way = pair[1] - pair[0];
-        fine.extend((0..parts).map(|k| pair[0] + way * (k as f64 / parts as f64)));
-    }
-    fine.extend(series.last());
-    fine
 }
 
 /// Mechanics of runs that others repeat, see [`RunMotion::twin`].

@@ -1,11 +1,13 @@
 //! A run on a finer grid than it was recorded on: where the true speed ripples faster than the samples follow, the contact
 //! must be carried through the ripple and not along chords from sample to sample.
 
+use friction::Scalar;
+
 use crate::RunMotion;
 use crate::signal::slope;
 
 /// `parts` equal steps from each value to the next, linear between them; the last value ends the series.
-fn between(series: &[f64], parts: usize) -> Vec<f64> {
+pub(crate) fn between<D: Scalar>(series: &[D], parts: usize) -> Vec<D> {
     let mut fine = Vec::with_capacity((series.len().max(1) - 1) * parts + 1);
     for pair in series.windows(2) {
         let steps = (0..parts).map(|k| pair[0] + (pair[1] - pair[0]) * k as f64 / parts as f64);
