@@ -95,8 +95,9 @@ impl Builder {
         } else {
             names.join("+")
         };
+        let left_out = without.map_or(String::new(), |cause| format!(":without-{cause}"));
         let id = format!(
-            "{seed}:{what}:{}:{}:{ratio}",
+            "{seed}:{what}:{}:{}:{ratio}{left_out}",
             case.protocol.id(),
             case.noise.id()
         );
