@@ -60,8 +60,9 @@ impl Fitted {
     }
 }
 
-/// Steps of a cord for each row of a condensed record: what rings faster is not in the rows.
-const STEPS_A_ROW: usize = 20;
+/// Steps of a cord for each sample: what sticks and slips too fast for them is not in the record, and most of a search would be spent
+/// on cords that do.
+const STEPS_A_SAMPLE: usize = 20;
 /// Starts of the law that are fitted, and steps of each: the nearest of all that are looked at, then the better of those that ended
 /// apart from one another.
 const LAW_ROUNDS: [(usize, u64); 3] = [(12, 4), (6, 8), (3, 60)];
@@ -158,11 +159,7 @@ impl<'a> Bench<'a> {
     pub(crate) fn model(&self, effects: &[usize]) -> Option<Model> {
         let effects = effects.iter().map(|&i| self.catalogue[i].boxed()).collect();
         let model = Model::new(self.law, effects, &self.experiment).ok()?;
-        Some(if self.samples.averaged.is_empty() {
-            model
-        } else {
-            model.with_steps_a_sample(STEPS_A_ROW)
-        })
+        Some(model.with_steps_a_sample(STEPS_A_SAMPLE))
     }
 
     /// Fits a law with effects from one start. `target` replaces the measured force (stacked, all runs) where a fit to a

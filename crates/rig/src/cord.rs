@@ -28,11 +28,11 @@ const DESCENT_LIMIT: usize = 15;
 /// Share of a Newton step below which it is taken even where the residual does not fall.
 const SHORTEST: f64 = 0.02;
 const SMALLEST: f64 = 1e-7;
-/// Steps that a run may take for each of its samples, unless the model says otherwise. A smooth answer takes about one; stick-slip
-/// far faster than the record takes a hundred, and its price must not grow without bound.
+/// Steps that a run may take on the way to each further sample, unless the model says otherwise. A smooth answer takes about one;
+/// stick-slip far faster than the record takes a hundred, and its price must not grow without bound.
 pub(crate) const STEPS_A_SAMPLE: usize = 200;
-/// Steps that any run may take.
-const STEPS_AT_LEAST: usize = 2_000;
+/// Steps that a run may take beyond these: what starts or rings somewhere is paid for by the smooth rest, stick-slip soon is not.
+const STEPS_AT_HAND: usize = 2_000;
 
 /// What holds the specimen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -262,7 +262,7 @@ struct Solver<'a, D> {
     /// Sizes of z and q against which errors count.
     size: [f64; 2],
     step: f64,
-    /// Steps that are left.
+    /// Steps that may be taken before the next sample.
     left: usize,
     /// Last step: its size and its stages, for the predictor.
     previous: Option<(f64, State<f64>, [State<f64>; 3])>,
@@ -284,7 +284,7 @@ pub(crate) fn tension<D: Scalar>(held: &Corded<'_, D>) -> Result<Vec<D>, Integra
             friction.max(1e-300),
         ],
         step: f64::INFINITY,
-        left: (held.steps_a_sample * record.time_s.len()).max(STEPS_AT_LEAST),
+        left: STEPS_AT_HAND,
         previous: None,
     };
     let weight = |i: usize| match held.factor {
@@ -348,6 +348,7 @@ impl<D: Scalar> Solver<'_, D> {
                 };
                 out.push(at(1) + self.held.coupling.damping * at(2));
                 taken += 1;
+                self.left += self.held.steps_a_sample;
             }
             self.previous = Some((h, from, stages));
             y = lifted[2];
