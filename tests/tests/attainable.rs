@@ -37,6 +37,7 @@ fn rows(material: &str) -> Vec<Row> {
         private: noise.roughness * (1.0 - noise.plate_share).sqrt(),
         plate: noise.roughness * noise.plate_share.sqrt(),
         length: noise.correlation_m,
+        smoothing: 0.0,
         scatter: noise.scatter,
     };
     let campaign = campaign::open(&folder.join(format!("brush-2x2-{material}"))).unwrap();

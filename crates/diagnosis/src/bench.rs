@@ -263,6 +263,7 @@ impl<'a> Bench<'a> {
             private: 0.01,
             plate: 0.0,
             length: ((hi - lo) / 150.0).max(1e-9),
+            smoothing: 0.0,
             scatter: 0.01,
         }
     }

@@ -79,6 +79,7 @@ pub fn design(campaign: &Campaign, options: &Options) -> Result<Design, Diagnosi
         private: half,
         plate: half,
         length: (hi - lo) / 200.0,
+        smoothing: 0.0,
         scatter: NOMINAL_SCATTER,
     };
     let subset = Subset::all(&bench);
@@ -142,6 +143,7 @@ pub fn design(campaign: &Campaign, options: &Options) -> Result<Design, Diagnosi
             roughness_private: sizes.private,
             roughness_plate: sizes.plate,
             roughness_length: sizes.length,
+            roughness_smoothing: sizes.smoothing,
             scatter: sizes.scatter,
             caveats: vec!["nothing of the forces was read: noise and friction are nominal".into()],
         },

@@ -142,6 +142,7 @@ pub(crate) fn noise_floor(
         roughness_private: sizes.private,
         roughness_plate: sizes.plate,
         roughness_length: sizes.length,
+        roughness_smoothing: sizes.smoothing,
         scatter: sizes.scatter,
         caveats,
     }

@@ -209,6 +209,7 @@ impl Task<'_> {
                 private: 0.0,
                 plate: 0.0,
                 length: self.experiment.scales.travel_m,
+                smoothing: 0.0,
                 scatter: 0.0,
             },
             log_sd: Vec::new(),

@@ -1,10 +1,10 @@
 //! Campaigns as the model with its noise would record them: to check intervals, never to stand for data.
 //!
 //! y = F (1 + b + u + q) + e as in `fitting::noise`: gain of the run, roughness private to the run and fixed to the
-//! plate (both Ornstein-Uhlenbeck, drawn exactly at the samples), white sensor noise.
+//! plate (both drawn exactly at the samples, see `fitting::noise`), white sensor noise.
 
 use campaign::{Campaign, Provenance};
-use fitting::noise::Sizes;
+use fitting::noise::{Roughness, Sizes};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rig::Experiment;
@@ -13,19 +13,9 @@ fn draw(generator: &mut ChaCha8Rng) -> f64 {
     StandardNormal.sample(generator)
 }
 
-/// An Ornstein-Uhlenbeck path of unit variance at increasing places.
-fn path(places: &[f64], length: f64, generator: &mut ChaCha8Rng) -> Vec<f64> {
-    let mut value = draw(generator);
-    let mut out = Vec::with_capacity(places.len());
-    for (k, place) in places.iter().enumerate() {
-        if k > 0 {
-            // x' = rho x + sqrt(1 - rho^2) e, rho = exp(-d/length)
-            let rho = (-(place - places[k - 1]) / length).exp();
-            value = rho * value + (1.0 - rho * rho).sqrt() * draw(generator);
-        }
-        out.push(value);
-    }
-    out
+/// A path of roughness of unit variance at increasing places.
+fn path(places: &[f64], sizes: &Sizes, generator: &mut ChaCha8Rng) -> Vec<f64> {
+    Roughness::new(sizes).path(places, || draw(generator))
 }
 
 /// The campaign with its forces replaced by `force_n` under fresh noise.
@@ -45,14 +35,14 @@ pub(crate) fn with_fresh_noise(
     order.sort_by(|&a, &b| places[a].total_cmp(&places[b]).then(a.cmp(&b)));
     let sorted: Vec<f64> = order.iter().map(|&i| places[i]).collect();
     let mut plate = vec![0.0; places.len()];
-    for (&i, value) in order.iter().zip(path(&sorted, sizes.length, generator)) {
+    for (&i, value) in order.iter().zip(path(&sorted, sizes, generator)) {
         plate[i] = value;
     }
     let mut fresh = campaign.clone();
     fresh.provenance = Provenance::Synthetic;
     for (run, motion) in fresh.runs.iter_mut().zip(&experiment.runs) {
         let gain = sizes.scatter * draw(generator);
-        let private = path(&motion.distance_m, sizes.length, generator);
+        let private = path(&motion.distance_m, sizes, generator);
         for (k, i) in motion.samples.clone().enumerate() {
             let factor = 1.0 + gain + sizes.private * private[k] + sizes.plate * plate[i];
             run.force_n[k] = force_n[i] * factor + sizes.sensor * draw(generator);

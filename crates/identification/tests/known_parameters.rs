@@ -207,6 +207,7 @@ fn a_prediction_band_holds_its_share_of_new_campaigns() {
             private: 0.004,
             plate: 0.004,
             length: 2e-3,
+            smoothing: 0.0,
             scatter: 0.006,
         },
     };

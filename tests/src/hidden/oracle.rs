@@ -116,6 +116,7 @@ impl Oracle {
             private: noise.roughness * (1.0 - noise.plate_share).sqrt(),
             plate: noise.roughness * noise.plate_share.sqrt(),
             length: noise.correlation_m,
+            smoothing: 0.0,
             scatter: 0.0,
         };
         let whitener = Whitener::new(&context, &sizes);

@@ -36,6 +36,8 @@ pub struct Sizes {
     pub plate: f64,
     /// Correlation length of both roughnesses, m (or rad).
     pub length: f64,
+    /// Length of the filter that both have passed, as a share of `length`: 0 is none, see [`super::Roughness`].
+    pub smoothing: f64,
     /// Relative standard deviation of the gain of a run.
     pub scatter: f64,
 }

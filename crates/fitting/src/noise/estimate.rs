@@ -86,23 +86,14 @@ pub fn estimate(
     let plate_separable = context.shared_places() > 0.05;
     let frame = Frame::new(context, &criterion, options, plate_separable);
 
-    let mut start = frame.best_start(&criterion, options);
+    let start = frame.best_start(&criterion, options);
     let mut evaluations = frame.starts;
-    let mut minimum = None;
-    for _ in 0..2 {
-        let spacing = frame.sizes(&start).node_spacing();
-        let f = |x: &[f64]| criterion.value(&frame.sizes(x), spacing);
-        let found = search::minimise(&f, &start, &frame.bounds, 25);
-        evaluations += found.evaluations;
-        let moved = (found.point[LENGTH] - start[LENGTH]).abs();
-        start = found.point.clone();
-        minimum = Some(found);
-        // The grid's spacing follows the length: search again only where it moved far.
-        if moved < 0.7 {
-            break;
-        }
+    let mut minimum = frame.search(&criterion, start, &mut evaluations);
+    // What rows are the means of is known of exponential roughness only.
+    if minimum.point.len() == SMOOTHING && context.rows.is_empty() {
+        let thorough = options.start.is_none();
+        minimum = frame.smoother(&criterion, minimum, thorough, &mut evaluations);
     }
-    let minimum = minimum.expect("the search ran at least once");
     let spacing = frame.sizes(&minimum.point).node_spacing();
     let log_sd = if options.uncertainty {
         search::standard_deviations(
@@ -154,11 +145,20 @@ fn gain_columns_limited(context: &Context) -> DMatrix<f64> {
     gains
 }
 
-/// Coordinates of the search: logarithms of sensor, private, plate, length.
+/// Coordinates of the search: logarithms of sensor, private, plate, length and, where the roughness is not exponential, smoothing.
 const SENSOR: usize = 0;
 const PRIVATE: usize = 1;
 const PLATE: usize = 2;
 const LENGTH: usize = 3;
+const SMOOTHING: usize = 4;
+
+/// Least and most smoothing that is searched: below, no sample shows it; above, the covariance does not change any more.
+const SMOOTHINGS: (f64, f64) = (0.05, 0.95);
+/// Smoothings that are tried beside exponential roughness, and lengths over which the roughness is alike as shares of the one found
+/// (exponential roughness makes up for what it lacks in smoothness by length).
+const PROBES: [(f64, f64); 4] = [(0.15, 1.0), (0.6, 1.0), (0.6, 0.4), (0.6, 0.15)];
+/// -2 log likelihood that smoothing must save, or the roughness is taken as exponential.
+const WORTH_SMOOTHING: f64 = 2.0;
 
 /// Scales and bounds of the search.
 struct Frame {
@@ -201,6 +201,7 @@ impl Frame {
             ((relative * 1e-4).ln(), (relative * 6.0).ln()),
             ((relative * 1e-4).ln(), (relative * 6.0).ln()),
             (lengths.0.ln(), lengths.1.ln()),
+            (SMOOTHINGS.0.ln(), SMOOTHINGS.1.ln()),
         ];
         Self {
             bounds,
@@ -224,7 +225,66 @@ impl Frame {
             private: x[PRIVATE].exp(),
             plate: if self.plate { x[PLATE].exp() } else { 0.0 },
             length: x[LENGTH].exp(),
+            smoothing: x.get(SMOOTHING).map_or(0.0, |s| s.exp()),
             scatter: 0.0,
+        }
+    }
+
+    /// The likeliest sizes from a start that has the smoothing or has it not.
+    fn search(
+        &self,
+        criterion: &Criterion<'_>,
+        mut start: Vec<f64>,
+        evaluations: &mut usize,
+    ) -> search::Minimum {
+        let mut bounds = self.bounds.clone();
+        bounds.truncate(start.len());
+        let mut again = true;
+        loop {
+            let spacing = self.sizes(&start).node_spacing();
+            let f = |x: &[f64]| criterion.value(&self.sizes(x), spacing);
+            let found = search::minimise(&f, &start, &bounds, 25);
+            *evaluations += found.evaluations;
+            // The grid's spacing follows the length: search again only where it moved far, and once.
+            let moved = (found.point[LENGTH] - start[LENGTH]).abs();
+            if moved < 0.7 || !again {
+                return found;
+            }
+            start = found.point;
+            again = false;
+        }
+    }
+
+    /// Roughness that is smoother than exponential, where that is likelier than `plain`. Unless the search is thorough a smoothing
+    /// counts only if it is seen at once.
+    fn smoother(
+        &self,
+        criterion: &Criterion<'_>,
+        plain: search::Minimum,
+        thorough: bool,
+        evaluations: &mut usize,
+    ) -> search::Minimum {
+        let likelier = PROBES
+            .iter()
+            .map(|&(smoothing, share)| {
+                // Roughness is alike over l (1 + rho).
+                let mut point = plain.point.clone();
+                point[LENGTH] += (share / (1.0 + smoothing)).ln();
+                point.push(smoothing.ln());
+                let sizes = self.sizes(&point);
+                (criterion.value(&sizes, sizes.node_spacing()), point)
+            })
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .filter(|(value, _)| thorough || *value < plain.value);
+        *evaluations += PROBES.len();
+        let Some((_, point)) = likelier else {
+            return plain;
+        };
+        let found = self.search(criterion, point, evaluations);
+        if found.value < plain.value - WORTH_SMOOTHING {
+            found
+        } else {
+            plain
         }
     }
 
@@ -235,7 +295,7 @@ impl Frame {
                 let (lo, hi) = self.bounds[k];
                 x.max(f64::MIN_POSITIVE).ln().clamp(lo + 2.0, hi)
             };
-            return vec![
+            let mut start = vec![
                 log(s.sensor, SENSOR),
                 log(s.private, PRIVATE),
                 log(s.plate, PLATE),
@@ -243,6 +303,10 @@ impl Frame {
                     .ln()
                     .clamp(self.bounds[LENGTH].0, self.bounds[LENGTH].1),
             ];
+            if s.smoothing > 0.0 {
+                start.push(s.smoothing.ln());
+            }
+            return start;
         }
         let (short, long) = self.lengths;
         let mut points = Vec::new();

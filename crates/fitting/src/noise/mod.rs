@@ -10,8 +10,8 @@
 //! e_i ~ N(0, sensor^2)                                sensor noise, white
 //! ```
 //!
-//! with f the friction force that the model predicts. The field q is the same in every run: it repeats, and no law
-//! could mend it. All sizes and the length are estimated by restricted maximum likelihood; whitening takes time linear
+//! with f the friction force that the model predicts. Where [`Sizes::smoothing`] is not zero both covariances are those of a
+//! smoother field (N7). The field q is the same in every run: it repeats, and no law could mend it. All sizes and the length are estimated by restricted maximum likelihood; whitening takes time linear
 //! in the samples: a Kalman filter along each run for u and e, a banded square-root information filter on a grid of
 //! plate nodes for q, a low-rank root for b.
 //!
@@ -28,6 +28,7 @@ mod ring;
 mod rotations;
 mod scatter;
 mod search;
+mod roughness;
 #[cfg(test)]
 mod tests;
 mod vectors;
@@ -38,5 +39,6 @@ pub use context::{Context, Sizes};
 pub use estimate::{EstimateOptions, NoiseModel, estimate};
 pub use lag::{Lag, left_s};
 pub use ring::Ring;
+pub use roughness::Roughness;
 pub use scatter::ScatterEvidence;
 pub use whitener::Whitener;

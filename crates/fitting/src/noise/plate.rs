@@ -13,6 +13,7 @@
 
 use super::along::{Along, TOGETHER};
 use super::context::{Context, Sizes};
+use super::roughness::Roughness;
 use super::vectors::wide;
 
 /// Entries of a row below this (relative to one) are dropped.
@@ -75,25 +76,72 @@ impl Grid {
     }
 
     /// Share of the field's variance that lies between the nodes, the mean over a cell.
-    pub(super) fn unresolved(&self, length: f64) -> f64 {
+    pub(super) fn unresolved(&self, sizes: &Sizes) -> f64 {
         const POINTS: usize = 32;
-        let whole = (self.spacing / length).sinh();
+        let h = self.spacing / sizes.length;
+        let roughness = Roughness::new(sizes);
+        let beside = roughness.correlation(self.spacing);
         let sum: f64 = (0..POINTS)
             .map(|k| {
-                let a = self.spacing / length * (k as f64 + 0.5) / POINTS as f64;
-                let b = self.spacing / length - a;
-                1.0 - (b.sinh() * (-a).exp() + a.sinh() * (-b).exp()) / whole
+                let a = h * (k as f64 + 0.5) / POINTS as f64;
+                let b = h - a;
+                let (left, right) = (b.sinh() / h.sinh(), a.sinh() / h.sinh());
+                if roughness.is_exponential() {
+                    return 1.0 - (left * (-a).exp() + right * (-b).exp());
+                }
+                let seen = left * roughness.correlation(a * sizes.length)
+                    + right * roughness.correlation(b * sizes.length);
+                1.0 - 2.0 * seen + left * left + right * right + 2.0 * left * right * beside
             })
             .sum();
         (sum / POINTS as f64).clamp(0.0, 1.0)
     }
 
-    /// Diagonal and first off-diagonal of the upper bidiagonal root of the nodes' precision:
-    /// (q_j - phi q_{j+1}) / (plate sqrt(1 - phi^2)), and q_last / plate.
-    pub(super) fn precision_root(&self, sizes: &Sizes) -> (f64, f64, f64) {
-        let phi = (-self.spacing / sizes.length).exp();
-        let inner = 1.0 / (sizes.plate * (1.0 - phi * phi).sqrt());
-        (inner, -phi * inner, 1.0 / sizes.plate)
+    /// The upper triangular root of the nodes' precision, as far as it is not zero: in general
+    /// (q_j - a q_{j+1} - b q_{j+2}) / (plate sqrt(noise)), then the last but one beside the last, then the last (see
+    /// [`Roughness::nodes`]; b is zero where the roughness is exponential).
+    pub(super) fn precision_root(&self, sizes: &Sizes) -> PrecisionRoot {
+        let [a, b, noise, beside] = Roughness::new(sizes).nodes(self.spacing);
+        let inner = 1.0 / (sizes.plate * noise.sqrt());
+        let last_but_one = 1.0 / (sizes.plate * (1.0 - beside * beside).sqrt());
+        PrecisionRoot {
+            inner: [inner, -a * inner, -b * inner],
+            last_but_one: [last_but_one, -beside * last_but_one],
+            last: 1.0 / sizes.plate,
+        }
+    }
+}
+
+/// Rows of the root of the nodes' precision, from the diagonal on.
+pub(super) struct PrecisionRoot {
+    inner: [f64; 3],
+    last_but_one: [f64; 2],
+    last: f64,
+}
+
+impl PrecisionRoot {
+    /// Entries that a row may have.
+    pub(super) fn width(&self) -> usize {
+        if self.inner[2] == 0.0 { 2 } else { 3 }
+    }
+
+    /// Row j of so many nodes.
+    pub(super) fn row(&self, j: usize, nodes: usize) -> &[f64] {
+        match nodes - 1 - j {
+            0 => std::slice::from_ref(&self.last),
+            1 => &self.last_but_one,
+            _ => &self.inner[..self.width()],
+        }
+    }
+
+    /// Sum of the logarithms of the diagonal.
+    pub(super) fn log_diagonal(&self, nodes: usize) -> f64 {
+        (0..nodes).map(|j| self.row(j, nodes)[0].ln()).sum()
+    }
+
+    /// Size of a node's own entry.
+    pub(super) fn size(&self) -> f64 {
+        self.inner[0]
     }
 }
 
@@ -125,31 +173,34 @@ impl Rows {
         };
         rows.offset.push(0);
         // The filter's state as a function of the nodes lo..hi.
-        let mut state = vec![[0.0_f64; 3]; grid.nodes];
+        let mut state = vec![[0.0_f64; 4]; grid.nodes];
         let mut seen = Seen::default();
         for run in &context.runs {
-            state.fill([0.0; 3]);
+            state.fill([0.0; 4]);
             let (mut lo, mut hi) = (0, 0);
             for i in run.clone() {
                 grid.seen(context, i, sizes.length, &mut seen);
                 let ends = (seen.first, seen.first + seen.weights.len());
                 let decay = along.decay[i];
-                for x in &mut state[lo..hi] {
-                    *x = [x[0] * decay[0], x[1] * decay[1], x[2]];
+                let driver = along.driver(i);
+                for [u, w, _, v] in &mut state[lo..hi] {
+                    *u = *u * decay[0] + driver.feed * *v;
+                    *w *= decay[1];
+                    *v *= driver.decay;
                 }
                 let (f, along_scale) = (context.scale[i], along.scale[i]);
                 let [own, h] = along.white.get(i).copied().unwrap_or_default();
-                let forgotten = |x: [f64; 3]| {
-                    let white = if h == 0.0 { 0.0 } else { h * x[2] / f };
-                    x[0].abs() + x[1].abs() + white.abs() < FORGOTTEN
+                let forgotten = |[u, w, e, v]: [f64; 4]| {
+                    let white = if h == 0.0 { 0.0 } else { h * e / f };
+                    u.abs() + w.abs() + white.abs() + v.abs() < FORGOTTEN
                 };
                 while lo < hi && forgotten(state[lo]) {
-                    state[lo] = [0.0; 3];
+                    state[lo] = [0.0; 4];
                     lo += 1;
                 }
                 while lo < hi && forgotten(state[hi - 1]) {
                     hi -= 1;
-                    state[hi] = [0.0; 3];
+                    state[hi] = [0.0; 4];
                 }
                 (lo, hi) = if lo == hi {
                     ends
@@ -158,11 +209,11 @@ impl Rows {
                 };
                 while hi - lo > LONGEST_ROW {
                     if ends.0 as isize - lo as isize > hi as isize - ends.1 as isize {
-                        state[lo] = [0.0; 3];
+                        state[lo] = [0.0; 4];
                         lo += 1;
                     } else {
                         hi -= 1;
-                        state[hi] = [0.0; 3];
+                        state[hi] = [0.0; 4];
                     }
                 }
                 let (gain, weight) = (along.gain[i], along.inverse_sd[i]);
@@ -173,6 +224,7 @@ impl Rows {
                     state[2] = own * innovation;
                     state[0] += gain[0] * innovation;
                     state[1] += gain[1] * innovation;
+                    state[3] += driver.gain * innovation;
                     rows.values.push(innovation * weight);
                 }
                 rows.first.push(lo);
@@ -228,17 +280,17 @@ impl Information {
     /// Adds the rows' Gram matrix to the prior precision and factors the sum.
     pub(super) fn new(rows: &Rows, grid: &Grid, sizes: &Sizes) -> Self {
         let nodes = grid.nodes;
-        let band = rows.width.max(2).min(nodes) - 1;
+        let root = grid.precision_root(sizes);
+        let band = rows.width.max(root.width()).min(nodes) - 1;
         let stride = band + 1;
         // m[j * stride + d] = M[j + d, j]
         let mut m = vec![0.0; nodes * stride];
-        let (inner, off, last) = grid.precision_root(sizes);
         for j in 0..nodes {
-            let own = if j + 1 < nodes { inner } else { last };
-            m[j * stride] += own * own;
-            if j + 1 < nodes {
-                m[j * stride + 1] += own * off;
-                m[(j + 1) * stride] += off * off;
+            let row = root.row(j, nodes);
+            for (a, x) in row.iter().enumerate() {
+                for (d, y) in row[a..].iter().enumerate() {
+                    m[(j + a) * stride + d] += x * y;
+                }
             }
         }
         for i in 0..rows.first.len() {
@@ -269,7 +321,7 @@ impl Information {
                 }
             }
         }
-        let log_prior = (nodes - 1) as f64 * inner.ln() + last.ln();
+        let log_prior = root.log_diagonal(nodes);
         Self {
             band,
             factor: m,

@@ -49,7 +49,7 @@ impl<'a> Criterion<'a> {
     pub(super) fn value(&self, sizes: &Sizes, spacing: f64) -> f64 {
         let grid = Grid::new(self.context, spacing);
         let with_plate = sizes.plate > 0.0;
-        let along = Along::new(self.context, sizes, grid.unresolved(sizes.length));
+        let along = Along::new(self.context, sizes, grid.unresolved(sizes));
         let mut columns = self.columns.clone();
         let n = columns.nrows();
         let mut parts: Vec<&mut [f64]> = columns.as_mut_slice().chunks_mut(n).collect();

@@ -37,15 +37,12 @@ impl Rotations {
     #[inline(always)]
     fn fold(rows: &Rows, grid: &Grid, sizes: &Sizes) -> Self {
         let nodes = grid.nodes;
-        let stride = rows.width.max(2).min(nodes);
-        let (inner, off, last) = grid.precision_root(sizes);
-        let log_prior = (nodes - 1) as f64 * inner.ln() + last.ln();
+        let root = grid.precision_root(sizes);
+        let stride = rows.width.max(root.width()).min(nodes);
         let mut triangle = vec![0.0; nodes * stride];
         for j in 0..nodes {
-            triangle[j * stride] = if j + 1 < nodes { inner } else { last };
-            if j + 1 < nodes {
-                triangle[j * stride + 1] = off;
-            }
+            let row = root.row(j, nodes);
+            triangle[j * stride..][..row.len()].copy_from_slice(row);
         }
         let n = rows.first.len();
         let mut kept = Self {
@@ -76,7 +73,7 @@ impl Rotations {
                 // The triangle's row reaches at least as far as the line does.
                 end = end.max((j - 1 + reach).min(nodes));
                 let left = turn(c, s, &mut own[1..], &mut line[j..j - 1 + reach]);
-                if left < NEGLIGIBLE * inner {
+                if left < NEGLIGIBLE * root.size() {
                     break;
                 }
             }
@@ -84,7 +81,7 @@ impl Rotations {
             kept.offset.push(kept.pairs.len());
         }
         let log_after: f64 = (0..nodes).map(|j| triangle[j * stride].abs().ln()).sum();
-        kept.log_det = 2.0 * (log_after - log_prior);
+        kept.log_det = 2.0 * (log_after - root.log_diagonal(nodes));
         kept
     }
 

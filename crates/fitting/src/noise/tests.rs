@@ -44,7 +44,15 @@ fn dense(context: &Context, sizes: &Sizes) -> DMatrix<f64> {
         run.clone().for_each(|i| owner[i] = k);
     }
     DMatrix::from_fn(n, n, |i, j| {
-        let near = |a: f64, b: f64| (-(a - b).abs() / sizes.length).exp();
+        // (N7), written out once more.
+        let near = |a: f64, b: f64| {
+            let (far, share) = ((a - b).abs() / sizes.length, sizes.smoothing);
+            if share == 0.0 {
+                (-far).exp()
+            } else {
+                ((-far).exp() - share * (-far / share).exp()) / (1.0 - share)
+            }
+        };
         let mut relative = sizes.plate.powi(2) * near(context.place[i], context.place[j]);
         if owner[i] == owner[j] {
             relative += sizes.private.powi(2) * near(context.sliding[i], context.sliding[j])
@@ -60,6 +68,7 @@ const SIZES: Sizes = Sizes {
     private: 5.6e-3,
     plate: 5.6e-3,
     length: 1.5e-3,
+    smoothing: 0.0,
     scatter: 0.01,
 };
 
@@ -72,23 +81,31 @@ fn draw(context: &Context, sizes: &Sizes, seed: u64) -> DVector<f64> {
     root * white
 }
 
+/// Roughness that has passed a filter.
+const SMOOTH: Sizes = Sizes {
+    smoothing: 0.7,
+    ..SIZES
+};
+
 /// Without the plate's field the recursions are exact.
 #[test]
 fn filter_and_scatter_equal_the_dense_covariance() {
     let context = ramps(60, 2);
-    let sizes = Sizes {
-        plate: 0.0,
-        ..SIZES
-    };
-    let covariance = dense(&context, &sizes);
-    let factor = Cholesky::new(covariance).expect("a covariance");
-    let whitener = Whitener::new(&context, &sizes);
-    let r = draw(&context, &sizes, 1);
-    let exact = r.dot(&factor.solve(&r));
-    let ours = whitener.whiten(&r).norm_squared();
-    assert!((exact - ours).abs() < 1e-8 * exact, "{exact} {ours}");
-    let log_det: f64 = 2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>();
-    assert!((log_det - whitener.log_det()).abs() < 1e-7 * log_det.abs());
+    for sizes in [SIZES, SMOOTH] {
+        let sizes = Sizes {
+            plate: 0.0,
+            ..sizes
+        };
+        let covariance = dense(&context, &sizes);
+        let factor = Cholesky::new(covariance).expect("a covariance");
+        let whitener = Whitener::new(&context, &sizes);
+        let r = draw(&context, &sizes, 1);
+        let exact = r.dot(&factor.solve(&r));
+        let ours = whitener.whiten(&r).norm_squared();
+        assert!((exact - ours).abs() < 1e-8 * exact, "{exact} {ours}");
+        let log_det: f64 = 2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>();
+        assert!((log_det - whitener.log_det()).abs() < 1e-7 * log_det.abs());
+    }
 }
 
 /// The covariance behind a filter of the channel: L V L' with the white noise beyond it.
@@ -123,12 +140,15 @@ fn filtered(context: &Context) -> [Context; 2] {
 /// A filter of the channel changes the noise as the dense covariance says: exactly without the plate's field.
 #[test]
 fn filtered_noise_equals_the_dense_covariance() {
-    let sizes = Sizes {
-        plate: 0.0,
-        ..SIZES
-    };
     let plain = ramps(60, 2);
-    for context in filtered(&plain) {
+    let both = [SIZES, SMOOTH].map(|sizes| Sizes {
+        plate: 0.0,
+        ..sizes
+    });
+    for (context, sizes) in filtered(&plain)
+        .into_iter()
+        .flat_map(|c| both.map(|sizes| (c.clone(), sizes)))
+    {
         let factor = Cholesky::new(behind_filter(&context, &sizes)).expect("a covariance");
         let whitener = Whitener::new(&context, &sizes);
         let r = draw(&plain, &sizes, 1);
@@ -166,35 +186,70 @@ fn filtered_plate_field_agrees_with_the_dense_covariance() {
 #[test]
 fn plate_field_agrees_with_the_dense_covariance() {
     let context = ramps(120, 2);
-    let factor = Cholesky::new(dense(&context, &SIZES)).expect("a covariance");
-    let whitener = Whitener::new(&context, &SIZES);
-    let smooth = DMatrix::from_fn(context.samples(), 3, |i, c| {
-        context.scale[i] * (30.0 * c as f64 * context.place[i]).cos()
-    });
-    let white = whitener.whiten_columns(&smooth);
-    let ours = white.tr_mul(&white);
-    let exact = smooth.tr_mul(&factor.solve(&smooth));
-    for c in 0..3 {
-        let ratio = ours[(c, c)] / exact[(c, c)];
-        assert!((ratio - 1.0).abs() < 0.02, "form {c}: ratio {ratio}");
+    for sizes in [SIZES, SMOOTH] {
+        let factor = Cholesky::new(dense(&context, &sizes)).expect("a covariance");
+        let whitener = Whitener::new(&context, &sizes);
+        let waves = DMatrix::from_fn(context.samples(), 3, |i, c| {
+            context.scale[i] * (30.0 * c as f64 * context.place[i]).cos()
+        });
+        let white = whitener.whiten_columns(&waves);
+        let ours = white.tr_mul(&white);
+        let exact = waves.tr_mul(&factor.solve(&waves));
+        for c in 0..3 {
+            let ratio = ours[(c, c)] / exact[(c, c)];
+            assert!((ratio - 1.0).abs() < 0.02, "form {c}: ratio {ratio}");
+        }
+        let log_det: f64 = 2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>();
+        let gap = (log_det - whitener.log_det()).abs() / context.samples() as f64;
+        assert!(gap < 0.08, "log det differs by {gap} a sample");
     }
-    let log_det: f64 = 2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>();
-    let gap = (log_det - whitener.log_det()).abs() / context.samples() as f64;
-    assert!(gap < 0.08, "log det differs by {gap} a sample");
+}
+
+/// Whether roughness is smooth is seen: its share is found, and exponential roughness stays exponential (or nearly so).
+#[test]
+fn smooth_roughness_is_told_from_exponential_roughness() {
+    let context = ramps(240, 3);
+    let none = DMatrix::zeros(context.samples(), 0);
+    let mean = DMatrix::from_column_slice(context.samples(), 1, &context.scale);
+    let options = EstimateOptions {
+        repeats: true,
+        ..EstimateOptions::default()
+    };
+    let estimates = |sizes: &Sizes| -> Vec<Sizes> {
+        (0..8)
+            .map(|seed| draw(&context, sizes, 40 + seed))
+            .map(|r| estimate(&context, &r, &mean, &none, &options).sizes)
+            .collect()
+    };
+    let (plain, smooth) = (estimates(&SIZES), estimates(&SMOOTH));
+    assert!(plain.iter().all(|s| s.smoothing < 0.3), "{plain:?}");
+    assert!(smooth.iter().all(|s| s.smoothing > 0.4), "{smooth:?}");
+    // The length over which the roughness is alike, l (1 + rho), and its size.
+    let alike = |s: &Sizes| (s.length * (1.0 + s.smoothing)).ln();
+    let size = |s: &Sizes| 0.5 * (s.private.powi(2) + s.plate.powi(2)).ln();
+    for of in [alike, size] {
+        let mean = smooth.iter().map(of).sum::<f64>() / 8.0;
+        assert!((mean - of(&SMOOTH)).abs() < 0.12, "{mean} {smooth:?}");
+    }
 }
 
 /// The two linear-time paths (rotations; banded information matrix) are the same covariance.
 #[test]
 fn rotations_and_information_agree() {
+    for sizes in [SIZES, SMOOTH] {
+        agree(&Sizes {
+            scatter: 0.0,
+            ..sizes
+        });
+    }
+}
+
+fn agree(sizes: &Sizes) {
     let context = ramps(150, 3);
-    let sizes = Sizes {
-        scatter: 0.0,
-        ..SIZES
-    };
-    let r = draw(&context, &sizes, 2);
+    let r = draw(&context, sizes, 2);
     let mean = gain_columns(&context);
-    let value = Criterion::new(&context, &mean, &r).value(&sizes, sizes.node_spacing());
-    let whitener = Whitener::new(&context, &sizes);
+    let value = Criterion::new(&context, &mean, &r).value(sizes, sizes.node_spacing());
+    let whitener = Whitener::new(&context, sizes);
     let basis = orthonormal_basis(&mean);
     let x = whitener.whiten_columns(&basis);
     let y = whitener.whiten(&(&r - &basis * basis.tr_mul(&r)));
@@ -335,10 +390,12 @@ fn a_single_pass_is_not_separable() {
 #[test]
 fn transposed_whitening_is_the_adjoint() {
     let context = ramps(80, 2);
-    let whitener = Whitener::new(&context, &SIZES);
-    let (a, b) = (draw(&context, &SIZES, 6), draw(&context, &SIZES, 7));
-    let left = whitener.whiten(&a).dot(&b);
-    let right = a.dot(&whitener.whiten_transposed(&b));
-    let size = whitener.whiten(&a).norm() * b.norm();
-    assert!((left - right).abs() < 1e-10 * size, "{left} {right}");
+    for sizes in [SIZES, SMOOTH] {
+        let whitener = Whitener::new(&context, &sizes);
+        let (a, b) = (draw(&context, &sizes, 6), draw(&context, &sizes, 7));
+        let left = whitener.whiten(&a).dot(&b);
+        let right = a.dot(&whitener.whiten_transposed(&b));
+        let size = whitener.whiten(&a).norm() * b.norm();
+        assert!((left - right).abs() < 1e-10 * size, "{left} {right}");
+    }
 }

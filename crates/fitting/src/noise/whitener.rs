@@ -55,7 +55,7 @@ impl Whitener {
     /// Builds the recursions for a campaign's samples and the sizes of its noise.
     pub fn new(context: &Context, sizes: &Sizes) -> Self {
         let grid = Grid::new(context, sizes.node_spacing());
-        let along = Along::new(context, sizes, grid.unresolved(sizes.length));
+        let along = Along::new(context, sizes, grid.unresolved(sizes));
         let mut log_det = along.log_det - 2.0 * context.lag.log_det();
         let rings: Vec<(Range<usize>, Ring)> = (context.runs.iter().zip(&context.ring))
             .filter_map(|(run, ring)| ring.map(|ring| (run.clone(), ring)))

@@ -14,6 +14,7 @@ pub(crate) struct Kept {
     private: f64,
     plate: f64,
     length: f64,
+    smoothing: f64,
     scatter: f64,
     scatters: Vec<(f64, f64)>,
 }
@@ -34,6 +35,7 @@ impl From<&Spread> for Kept {
             private: sizes.private,
             plate: sizes.plate,
             length: sizes.length,
+            smoothing: sizes.smoothing,
             scatter: sizes.scatter,
             scatters: spread.scatters.clone(),
         }
@@ -54,6 +56,7 @@ impl From<Kept> for Spread {
                 private: kept.private,
                 plate: kept.plate,
                 length: kept.length,
+                smoothing: kept.smoothing,
                 scatter: kept.scatter,
             },
             scatters: kept.scatters,
@@ -75,6 +78,7 @@ mod tests {
                 private: 2e-3,
                 plate: 3e-3,
                 length: 4e-3,
+                smoothing: 0.0,
                 scatter: 5e-3,
             },
             scatters: vec![(0.0, 0.25), (0.1, 0.75)],
