@@ -85,10 +85,15 @@ impl<D: ChainScalar> Pass<'_, D> {
 
         // stage: recorded velocity -> slip speed. A specimen turned round meets the plate the other way.
         let corded = self.acts(Reach::Coupling) && run.in_contact();
-        let parts = if corded { 1 } else { self.parts(run) };
+        let parts = if corded {
+            of_the_motion(run)
+        } else {
+            self.parts(run)
+        };
         let followed = self.parts_of(Reach::Record, run) > 1;
-        let refined = (parts > 1).then(|| run.refined(parts));
-        let motion = refined.as_ref().unwrap_or(run);
+        let halved = run.halved.as_deref().filter(|_| parts == 2);
+        let refined = (parts > 1 && halved.is_none()).then(|| run.refined(parts));
+        let motion = halved.or(refined.as_ref()).unwrap_or(run);
         let turn = if run.specimen_turned { -1.0 } else { 1.0 };
         let mut velocity: Vec<D> = motion
             .velocity_m_s
@@ -180,12 +185,13 @@ impl<D: ChainScalar> Pass<'_, D> {
 
         // coupling: what reaches the sensor through the cord
         if corded {
+            let factors = factor.as_deref().map(|factor| between(factor, parts));
             let held = Corded {
                 law: &law,
                 record,
-                every_sample: &run.every_sample,
-                load_n: &run.load_n,
-                factor: factor.as_deref(),
+                every_sample: &motion.every_sample,
+                load_n: &motion.load_n,
+                factor: factors.as_deref(),
                 coupling,
                 initial,
                 steps_a_sample: self.model.steps_a_sample,
@@ -193,8 +199,8 @@ impl<D: ChainScalar> Pass<'_, D> {
             force = match done.corded(run.twin).filter(|_| factor.is_none()) {
                 Some(same) => same.to_vec(),
                 None => {
-                    let mut force = self.tension(&held)?;
-                    force.iter_mut().for_each(|f| *f *= turn);
+                    let fine = self.tension(&held)?;
+                    let force: Vec<D> = fine.iter().step_by(parts).map(|&f| f * turn).collect();
                     done.keep_corded(index, &force);
                     force
                 }
@@ -257,10 +263,11 @@ impl<D: ChainScalar> Pass<'_, D> {
         }
     }
 
-    /// Steps from sample to sample that the active effects ask for on a run.
+    /// Steps from sample to sample that a run's motion and the active effects ask for.
     fn parts(&self, run: &RunMotion) -> usize {
         let of_the_stage = self.parts_of(Reach::Stage, run);
-        of_the_stage.max(self.parts_of(Reach::Record, run))
+        let of_the_record = self.parts_of(Reach::Record, run);
+        of_the_motion(run).max(of_the_stage).max(of_the_record)
     }
 
     fn parts_of(&self, reach: Reach, run: &RunMotion) -> usize {
@@ -387,6 +394,11 @@ impl<D: ChainScalar> Pass<'_, D> {
         }
         coefficients(law, record, initial)
     }
+}
+
+/// Steps from sample to sample that a run's motion asks for.
+fn of_the_motion(run: &RunMotion) -> usize {
+    if run.halved.is_some() { 2 } else { 1 }
 }
 
 /// Mechanics of runs that others repeat, see [`RunMotion::twin`].

@@ -6,6 +6,7 @@ use campaign::{Axis, Campaign, Direction, InitialState, Protocol};
 use friction::linear_stretches;
 
 use crate::Scales;
+use crate::bends::bends;
 
 /// Standard gravity, m/s^2 (exact by definition, 3rd CGPM 1901): turns a load that is a weight into a mass.
 pub const GRAVITY_M_S2: f64 = 9.806_65;
@@ -14,6 +15,9 @@ pub const GRAVITY_M_S2: f64 = 9.806_65;
 /// microseconds make a ramp of ten seconds crooked by half of it; such crookedness averages out over a few samples and
 /// moves no prediction by more than the integration error.
 const LINEAR_WITHIN: f64 = 1e-6;
+
+/// Share of the largest speed by which a velocity must lie off its chords to be followed between samples.
+const STRAIGHT_WITHIN: f64 = 2e-4;
 
 /// Why a campaign cannot be predicted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -61,6 +65,10 @@ pub struct RunMotion {
     pub prior_distance_m: Option<f64>,
     /// Knots of the velocity (see [`friction::linear_stretches`]).
     pub knots: Vec<usize>,
+    /// Second derivative of the velocity between samples, m/s^3, where it bends; empty where it nowhere does.
+    pub(crate) bends_m_s3: Vec<f64>,
+    /// The same motion at two steps a sample, where it bends.
+    pub(crate) halved: Option<Box<RunMotion>>,
     /// All samples as knots.
     pub every_sample: Vec<usize>,
     /// Steps of this grid from one recorded sample to the next (1: the samples as recorded).
@@ -301,7 +309,10 @@ fn prepare(run: &campaign::Run, has_load: bool, fastest: f64) -> RunMotion {
             None => vec![run.normal_load_n.unwrap_or(0.0); n],
         }
     };
-    RunMotion {
+    let linear_within = LINEAR_WITHIN * fastest;
+    let bends_m_s3 = bends(t, v, STRAIGHT_WITHIN * fastest);
+    let is_bent = bends_m_s3.iter().any(|c| *c != 0.0);
+    let mut motion = RunMotion {
         name: run.name.clone(),
         samples: 0..0,
         direction: run.direction,
@@ -323,13 +334,21 @@ fn prepare(run: &campaign::Run, has_load: bool, fastest: f64) -> RunMotion {
         started_s: None,
         rest_s: None,
         prior_distance_m: None,
-        knots: linear_stretches(t, v, LINEAR_WITHIN * fastest),
+        knots: linear_stretches(t, v, linear_within),
+        bends_m_s3: if is_bent { bends_m_s3 } else { Vec::new() },
+        halved: None,
         every_sample: (0..n).collect(),
         stage_turned: run.stage_turned,
         specimen_turned: run.specimen_turned,
         initial_state_unknown: run.initial_state == InitialState::Unknown,
         twin: 0,
+    };
+    if is_bent {
+        let mut halved = motion.refined(2);
+        halved.knots = linear_stretches(&halved.time_s, &halved.velocity_m_s, linear_within);
+        motion.halved = Some(Box::new(halved));
     }
+    motion
 }
 
 /// Integral of abs(v) over a step with linear v.

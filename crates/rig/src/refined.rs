@@ -4,6 +4,7 @@
 use friction::Scalar;
 
 use crate::RunMotion;
+use crate::bends::bend;
 use crate::signal::slope;
 
 /// `parts` equal steps from each value to the next, linear between them; the last value ends the series.
@@ -26,11 +27,12 @@ impl RunMotion {
     }
 
     /// The same motion with each interval cut into `parts`: sample `i` stands at `parts * i`. Recorded series are linear in
-    /// between, as everywhere in the chain.
+    /// between, as everywhere in the chain, the velocity where it does not bend (M1).
     pub(crate) fn refined(&self, parts: usize) -> Self {
         let fine = |series: &[f64]| between(series, parts);
         let time_s = fine(&self.time_s);
-        let velocity_m_s = fine(&self.velocity_m_s);
+        let mut velocity_m_s = fine(&self.velocity_m_s);
+        bend(&mut velocity_m_s, &time_s, &self.bends_m_s3, parts);
         let every_sample: Vec<usize> = (0..time_s.len()).collect();
         Self {
             acceleration_m_s2: slope(&time_s, &velocity_m_s),
@@ -39,6 +41,8 @@ impl RunMotion {
             load_n: fine(&self.load_n),
             temperature_c: self.temperature_c.as_deref().map(fine),
             steps_a_sample: parts,
+            bends_m_s3: Vec::new(),
+            halved: None,
             knots: every_sample.clone(),
             every_sample,
             time_s,
