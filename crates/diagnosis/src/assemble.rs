@@ -2,13 +2,14 @@
 
 use crate::anatomy::anatomy;
 use crate::answer::{
-    Baseline, Diagnosis, Estimate, Evidence, Finding, Hidden, LawFit, Rival, Status, Unexplained,
+    Baseline, Diagnosis, Estimate, Evidence, Finding, Hidden, LawFit, Place, Rival, Share, Status,
+    Unexplained,
 };
 use crate::bench::Bench;
 use crate::equivalence::Contest;
 use crate::floor;
 use crate::integrity::{Integrity, Read};
-use crate::intervals;
+use crate::intervals::{self, unit_on_rig};
 use crate::probability::weight_of_set;
 use crate::selection::{ALPHA_GENERAL, ALPHA_NAME, SHAPE_TOLERANCE, Selected};
 use crate::steps;
@@ -85,21 +86,20 @@ pub(crate) fn assemble(
             held_out_rmse: None,
             explainable_fraction: explainable,
         },
-        anatomy: anatomy(
-            &bench.samples,
-            &residual,
-            noise_floor.rmse,
-            selected.stand.sizes.length,
-        ),
+        anatomy: shares(bench, selected, &residual, noise_floor.rmse),
         noise_floor,
         findings,
         unexplained: Unexplained {
             detected,
-            r#where: if detected {
-                selected.left.place.clone()
-            } else {
-                None
-            },
+            r#where: selected
+                .left
+                .place
+                .clone()
+                .filter(|_| detected)
+                .map(|place| Place {
+                    unit: unit_on_rig(bench, &place.unit),
+                    ..place
+                }),
             z: equivalent_z(selected.left.log_p),
         },
         undecidable: Vec::new(),
@@ -190,6 +190,16 @@ fn finding(whole: &Whole<'_>, selected: &Selected, contest: &Contest, k: usize) 
         },
         experiment: None,
     }
+}
+
+/// Shares of the law's residual over the axes, in the rig's own units.
+fn shares(bench: &Bench<'_>, selected: &Selected, residual: &[f64], floor: f64) -> Vec<Share> {
+    let length = selected.stand.sizes.length;
+    let mut shares = anatomy(&bench.samples, residual, floor, length);
+    for share in &mut shares {
+        share.unit = unit_on_rig(bench, &share.unit);
+    }
+    shares
 }
 
 /// Findings that the numbers themselves show.

@@ -1,8 +1,10 @@
 //! The general alternative: something is left, whatever it is, and where it sits.
 //!
 //! Families of hat functions times the friction force, over the plate (the same in both directions, and in each),
-//! over speed, and over time within each run. Each family is tested as a whole (many small deviations) and hat by hat
-//! (one place); the tests pay for one another by Bonferroni's bound.
+//! over speed, and over time within each run; further the first two slopes of the force in time, in each direction and in each run
+//! (what is left where a channel's or a start's near twin was named), and a force for each direction and load. Each family is
+//! tested as a whole (many small deviations) and column by column (one place); the tests pay for one another by Bonferroni's
+//! bound.
 
 use nalgebra::DMatrix;
 
@@ -49,8 +51,13 @@ impl Lack {
     }
 }
 
-/// The families that a campaign's samples allow.
-pub(crate) fn families(samples: &Samples, scale: &[f64], length: f64) -> Vec<Hats> {
+/// The families that a campaign's samples allow; `recorded`: the force as the model predicts it in the record.
+pub(crate) fn families(
+    samples: &Samples,
+    scale: &[f64],
+    recorded: &[f64],
+    length: f64,
+) -> Vec<Hats> {
     let heading = samples.heading();
     let mut out = Vec::new();
     let (lo, hi) = range(&samples.place);
@@ -89,10 +96,93 @@ pub(crate) fn families(samples: &Samples, scale: &[f64], length: f64) -> Vec<Hat
             }
         }
     }
-    if samples.runs.len() <= 40 {
+    if samples.runs.len() <= MOST_RUNS {
         out.push(each_run(samples, scale));
     }
+    if samples.averaged.is_empty() {
+        let [first, second] = slopes(samples, recorded);
+        out.push(slope_families(samples, &first, &second, false));
+        if samples.runs.len() <= MOST_RUNS {
+            out.push(slope_families(samples, &first, &second, true));
+        }
+    }
+    out.extend(loads(samples));
     out
+}
+
+/// With more runs than this no family has columns for each.
+const MOST_RUNS: usize = 40;
+
+/// First and second slope in time of a force, within each run.
+fn slopes(samples: &Samples, recorded: &[f64]) -> [Vec<f64>; 2] {
+    let slope_of = |x: &[f64]| -> Vec<f64> {
+        let each = samples.runs.iter();
+        each.flat_map(|run| rig::signal::slope(&samples.time[run.clone()], &x[run.clone()]))
+            .collect()
+    };
+    let first = slope_of(recorded);
+    let second = slope_of(&first);
+    [first, second]
+}
+
+/// The two slopes, in each direction or in each run.
+fn slope_families(samples: &Samples, first: &[f64], second: &[f64], runs: bool) -> Hats {
+    let heading = samples.heading();
+    let count = if runs { samples.runs.len() } else { 2 };
+    let mut columns = DMatrix::zeros(samples.len(), 2 * count);
+    for i in 0..samples.len() {
+        let group = if runs {
+            samples.owner[i]
+        } else {
+            usize::from(heading[i] < 0.0)
+        };
+        columns[(i, 2 * group)] = first[i];
+        columns[(i, 2 * group + 1)] = second[i];
+    }
+    let (least, most) = range(first);
+    Hats {
+        axis: "force rate",
+        unit: "N/s",
+        columns,
+        cells: (0..2 * count)
+            .map(|j| (least, most, runs.then_some(j / 2)))
+            .collect(),
+    }
+}
+
+/// Loads closer than this share of the larger are one.
+const SAME_LOAD: f64 = 0.05;
+
+/// A force for each direction and load, where there are two loads.
+fn loads(samples: &Samples) -> Option<Hats> {
+    if !samples.loaded {
+        return None;
+    }
+    let mean = |run: &std::ops::Range<usize>| {
+        samples.load[run.clone()].iter().sum::<f64>() / run.len() as f64
+    };
+    let of_run: Vec<f64> = samples.runs.iter().map(mean).collect();
+    let mut levels = of_run.clone();
+    levels.sort_by(f64::total_cmp);
+    levels.dedup_by(|b, a| *b - *a < SAME_LOAD * *b);
+    if levels.len() < 2 {
+        return None;
+    }
+    let level = |load: f64| levels.partition_point(|l| *l <= load).max(1) - 1;
+    let heading = samples.heading();
+    let mut columns = DMatrix::zeros(samples.len(), 2 * levels.len());
+    for i in 0..samples.len() {
+        let way = usize::from(heading[i] < 0.0);
+        columns[(i, 2 * level(of_run[samples.owner[i]]) + way)] = 1.0;
+    }
+    Some(Hats {
+        axis: "load",
+        unit: "N",
+        columns,
+        cells: (0..2 * levels.len())
+            .map(|j| (levels[j / 2], levels[j / 2], None))
+            .collect(),
+    })
 }
 
 fn range(x: &[f64]) -> (f64, f64) {

@@ -110,6 +110,7 @@ fn rotary_unit(unit: &str) -> String {
         .map(|part| match part {
             "N" => "N m",
             "m" => "rad",
+            "m/s" => "rad/s",
             "kg" => "kg m^2",
             "m/N" => "rad/(N m)",
             "1/m" => "1/rad",

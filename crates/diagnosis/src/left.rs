@@ -1,5 +1,5 @@
-//! What is left beside a fitted model, whatever it is: smooth structure over the plate, speed or time, short bursts, marks on
-//! the plate. The three searches pay for one another by Bonferroni's bound.
+//! What is left beside a fitted model, whatever it is: smooth structure over the plate, speed, time, load or the force's slope,
+//! short bursts, marks on the plate. The three searches pay for one another by Bonferroni's bound.
 
 use nalgebra::DMatrix;
 
@@ -24,7 +24,9 @@ pub(crate) fn lack(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Lack {
         .copied()
         .collect();
     let names = bench.run_names(subset);
-    let families = general::families(&samples, &scale, stand.sizes.length);
+    let recorded = subset.gather(&stand.fitted.prediction);
+    let families =
+        general::families(&samples, &scale, recorded.as_slice(), stand.sizes.length);
     let white: Vec<DMatrix<f64>> = families
         .iter()
         .map(|f| {

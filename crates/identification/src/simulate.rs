@@ -56,16 +56,32 @@ mod tests {
     use super::*;
     use rand::SeedableRng;
 
-    /// Variance one and correlation exp(-1) at one length, at unequal steps.
+    /// Variance one and the correlation of (N7) at one length: exp(-1) without smoothing.
     #[test]
     fn paths_have_the_stated_covariance() {
-        let mut generator = ChaCha8Rng::seed_from_u64(3);
-        let places: Vec<f64> = (0..60_000).map(|i| 0.5 * f64::from(i)).collect();
-        let x = path(&places, 1.0, &mut generator);
-        let n = x.len() as f64;
-        let variance = x.iter().map(|a| a * a).sum::<f64>() / n;
-        let one_length = x.iter().zip(&x[2..]).map(|(a, b)| a * b).sum::<f64>() / n;
-        assert!((variance - 1.0).abs() < 0.05, "{variance}");
-        assert!((one_length - (-1.0_f64).exp()).abs() < 0.03, "{one_length}");
+        for smoothing in [0.0_f64, 0.6] {
+            let sizes = Sizes {
+                sensor: 0.0,
+                private: 1.0,
+                plate: 0.0,
+                length: 1.0,
+                smoothing,
+                scatter: 0.0,
+            };
+            let mut generator = ChaCha8Rng::seed_from_u64(3);
+            let places: Vec<f64> = (0..60_000).map(|i| 0.5 * f64::from(i)).collect();
+            let x = path(&places, &sizes, &mut generator);
+            let n = x.len() as f64;
+            let variance = x.iter().map(|a| a * a).sum::<f64>() / n;
+            let one_length = x.iter().zip(&x[2..]).map(|(a, b)| a * b).sum::<f64>() / n;
+            let fast = if smoothing > 0.0 {
+                (-1.0 / smoothing).exp()
+            } else {
+                0.0
+            };
+            let stated = ((-1.0_f64).exp() - smoothing * fast) / (1.0 - smoothing);
+            assert!((variance - 1.0).abs() < 0.05, "{variance}");
+            assert!((one_length - stated).abs() < 0.03, "{one_length} {stated}");
+        }
     }
 }
