@@ -284,6 +284,9 @@ impl Name {
 
 /// What another mounting of the brush counts beside ratios of stiffness, loss and weight: [`Name::distance`].
 const BRUSH_APART: f64 = 0.4;
+/// What the logarithm of the ratio of two weights counts: a stride that got better led on to better ones at other weights in five to
+/// nine steps.
+const WEIGHT_APART: f64 = 0.4;
 /// What another choice counts.
 const CHOICE_APART: f64 = 0.5;
 
@@ -306,7 +309,7 @@ impl Name {
         };
         let distance = ratio(self.k, other.k)
             + ratio(self.c, other.c)
-            + ratio(self.weight, other.weight)
+            + WEIGHT_APART * ratio(self.weight, other.weight)
             + ratio(self.aim, other.aim)
             + brush
             + CHOICE_APART * choices;
