@@ -1,5 +1,5 @@
-//! Fills and improves a file of strides: every problem of the chapter on the gait, solved from its neighbours until nothing
-//! gets better, then from farther strides until three starts have found the best. File and list of starts tried (FILE.tried) are
+//! Fills and improves a file of strides: every problem of the chapter on the gait, solved from the strides of others, the nearest first,
+//! until three starts have found the best. The problem that may soonest be there has its turn. File and list of starts tried (FILE.tried) are
 //! written after every problem, so the work can be interrupted and resumed; without a file it begins with chains from cold starts.
 //!
 //! `cargo run --release -p biped --example explore -- FILE [SECONDS [PARTS [OTHER]]]`; PARTS as in sweep,map; OTHER a file of further
@@ -26,12 +26,20 @@ const TARGETS: [f64; 2] = [8.0, 20.0];
 /// Steps that a solve may take: 19 of the 21 strides of a cold sweep are reached in fewer, and in the same time many starts find
 /// more than long ones.
 const STEPS: usize = 40;
+/// Quadratic subproblems that a solve may take. They take most of the time, and of the starts that ended at a certificate within them
+/// half needed four or fewer; those that lead nowhere ask for one a step or more.
+const SUBPROBLEMS: usize = 12;
 /// Starts that should find a stride.
 const STARTS: usize = 3;
 /// Starts tried at one problem before the next one has its turn.
-const AT_ONCE: usize = 2;
-/// Farthest starts, in steps of the names.
-const FARTHEST: usize = 6;
+const AT_ONCE: usize = 1;
+/// Farthest starts ([`Name::distance`]),
+const FARTHEST: f64 = 3.0;
+/// and those that are tried although the stride was found by enough.
+const NEAR: f64 = 0.8;
+/// How fast starts get worse with their distance ([`Name::distance`]): of those from another brush a quarter led to a better stride, of those
+/// from another brush and another contact one in thirty.
+const FADING: f64 = 2.0;
 const ABOUT: &str = "Starts of the gait stage, not results: strides of the project's own solver (cargo run --release -p biped --example \
                      explore) and, at first, of CasADi with IPOPT (benches/gait/explore.py), each improved from those of other problems. The \
                      stage solves every problem again from them and certifies what it reports; found and tried count the starts of that search.";
@@ -44,6 +52,7 @@ fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
     let clock = Instant::now();
     let options = Options {
         max_iterations: STEPS,
+        max_subproblems: SUBPROBLEMS,
         ..Options::default()
     };
     let mut book = open(&path, &options)?;
@@ -62,46 +71,40 @@ fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
         offer(&mut book, Path::new(&other), &path, &options, clock)?;
     }
     let mut walked = Vec::new();
-    let (mut reach, mut turn) = (1, 0);
-    while reach <= FARTHEST {
-        turn += 1;
-        let (mut tried, mut better) = (0, 0);
-        for &place in &order {
-            if clock.elapsed().as_secs_f64() > seconds {
-                return Ok(());
-            }
-            let entry = &book.entries[place];
-            let enough = entry.is_certified()
-                && entry.outcome.as_ref().is_some_and(|o| o.found_by >= STARTS);
-            if enough && reach > 1 {
-                continue;
-            }
-            let mut looked = book.look(place, reach, AT_ONCE, &options)?;
-            if looked.tried == 0 && !book.entries[place].is_certified() && !walked.contains(&place)
-            {
-                walked.push(place);
-                looked = book.walk(place, &options)?;
-            }
-            if looked.tried > 0 {
-                write(&book, &path)?;
-                say(&book.entries[place], looked, clock);
-            }
-            tried += looked.tried;
-            better += usize::from(looked.better);
-        }
-        report(
-            &book,
-            &format!("turn {turn}, reach {reach}: {tried} tried, {better} better"),
-            clock,
-        );
-        // What got better is news to its neighbours first.
-        reach = match (tried, better) {
-            (0, _) => reach + 1,
-            (_, 0) => reach,
-            _ => 1,
+    while clock.elapsed().as_secs_f64() < seconds {
+        let (place, looked) = if let Some(place) = next(&book, &order) {
+            (place, book.look(place, FARTHEST, AT_ONCE, &options)?)
+        } else {
+            let open =
+                |&&place: &&usize| !book.entries[place].is_certified() && !walked.contains(&place);
+            let Some(&place) = order.iter().find(open) else {
+                break;
+            };
+            walked.push(place);
+            (place, book.walk(place, &options)?)
         };
+        write(&book, &path)?;
+        say(&book.entries[place], &looked, clock);
     }
+    report(&book, "end", clock);
     Ok(())
+}
+
+/// The problem that has its turn: the one that may soonest have its stride found by enough starts, weighed by how near its next start
+/// is. One whose stride is found often enough goes on while strides near it are news.
+fn next(book: &Book, order: &[usize]) -> Option<usize> {
+    let turns = order.iter().filter_map(|&place| {
+        let left = book.entries[place].starts_left(STARTS);
+        let reach = if left.is_some() { FARTHEST } else { NEAR };
+        let distance = book.nearest(place).filter(|&d| d <= reach)?;
+        Some((
+            left.unwrap_or(STARTS as f64) * (FADING * distance).exp(),
+            place,
+        ))
+    });
+    turns
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, place)| place)
 }
 
 /// Parts of the work in their order: the halved mesh, whose solves take longest, and the holes of the map, which have to be walked to, last.
@@ -145,6 +148,7 @@ fn open(path: &Path, options: &Options) -> Result<Book, Box<dyn Error + Send + S
         if let (Some(outcome), Some(search)) = (&mut entry.outcome, row.and_then(|row| row.search))
         {
             (outcome.found_by, outcome.tried) = (search.found, search.tried);
+            entry.from = search.from;
             let own = tried.iter().filter(|(name, _)| *name == entry.name);
             entry.tried = own.map(|&(_, source)| source).collect();
         }
@@ -166,7 +170,7 @@ fn offer(
             continue;
         };
         let looked = book.offer(place, Start::cold(row.x), options)?;
-        say(&book.entries[place], looked, clock);
+        say(&book.entries[place], &looked, clock);
     }
     write(book, path)
 }
@@ -178,12 +182,29 @@ fn tried_path(path: &Path) -> PathBuf {
     beside.into()
 }
 
-fn say(entry: &Entry, looked: Looked, clock: Instant) {
+fn say(entry: &Entry, looked: &Looked, clock: Instant) {
     let Some(o) = &entry.outcome else { return };
+    for end in &looked.ends {
+        let (name, from) = end.source;
+        println!(
+            "  {} k {} c {} {} Q_v {} aim {} (cost {from:.6}): {:?} after {} steps and {} subproblems, {:+.2e} of the best, {:.1e} apart",
+            name.choice.id(),
+            name.k,
+            name.c,
+            name.brush.id(),
+            name.weight,
+            name.aim,
+            end.status,
+            end.iterations,
+            end.subproblems,
+            end.cost / o.cost - 1.0,
+            end.apart.unwrap_or(f64::NAN),
+        );
+    }
     println!(
         "{:?}: {} tried{}; {:?} cost {:.8} speed {:.4} found by {} of {}, {:.0?}",
         entry.name,
-        looked.tried,
+        looked.ends.len(),
         if looked.better { ", better" } else { "" },
         o.status,
         o.cost,
@@ -215,6 +236,7 @@ fn write(book: &Book, path: &Path) -> Result<(), Box<dyn Error + Send + Sync>> {
         let search = Some(Search {
             found: outcome.found_by,
             tried: outcome.tried,
+            from: entry.from,
         });
         rows.push(store::row(entry.name, search, &outcome.x)?);
     }

@@ -297,32 +297,60 @@ fn a_stride_is_found_from_its_neighbours_and_kept_until_a_better_one_comes() {
         open.map(|e| e.name).collect()
     };
     assert_eq!(gaps(&book), [open]);
-    assert_eq!(book.look(0, 1, 9, &options).unwrap(), Looked::default());
-    let found = Looked {
-        tried: 1,
-        better: true,
-    };
-    assert_eq!(book.look(1, 1, 9, &options).unwrap(), found);
+    assert_eq!(book.nearest(0), None);
+    assert_eq!(book.look(0, 1.0, 9, &options).unwrap(), Looked::default());
+    let near = book.nearest(1).unwrap();
+    assert!(near > 0.0 && near < 1.0, "{near}");
+    assert_eq!(
+        book.look(1, 0.5 * near, 9, &options).unwrap(),
+        Looked::default()
+    );
+    let looked = book.look(1, near, 9, &options).unwrap();
+    assert!(looked.better && looked.ends.len() == 1, "{looked:?}");
     assert_eq!(gaps(&book).len(), 0);
     let cost = |book: &Book, k: usize| book.entries[k].outcome.as_ref().unwrap().cost;
-    let mut tried = 1;
-    for _ in 0..6 {
-        tried = 0;
-        for place in 0..2 {
-            let before = cost(&book, place);
-            let looked = book.look(place, 1, 9, &options).unwrap();
-            assert!(cost(&book, place) <= before);
-            assert_eq!(looked.better, cost(&book, place) < before);
-            tried += looked.tried;
-        }
-        if tried == 0 {
-            break;
-        }
+    assert_eq!(book.entries[1].from, Some((known, cost(&book, 0))));
+    // The way back is tried, and counts for nothing if it leads to the stride that the other one came from.
+    let count = |book: &Book, k: usize| book.entries[k].outcome.as_ref().map(|o| o.found_by);
+    let looked = book.look(0, 1.0, 9, &options).unwrap();
+    assert_eq!((looked.ends.len(), looked.better), (1, false));
+    assert_eq!(count(&book, 0), Some(1));
+    for place in 0..2 {
+        assert_eq!(
+            book.look(place, 1.0, 9, &options).unwrap(),
+            Looked::default()
+        );
     }
-    // Nobody has anything new: no start is left to try.
-    assert_eq!(tried, 0, "two problems settle");
     // More grip pays.
     assert!(cost(&book, 1) < cost(&book, 0));
+}
+
+#[test]
+fn a_way_begins_and_ends_at_its_problems() {
+    let problem = |name: Name| name.problem(&sample::biped(), sample::brush());
+    let own = Name::compliant(CONTACT, Mount::Asymmetric, 1.0, 20.0);
+    let other = Name {
+        k: 5e4,
+        c: 2.0,
+        weight: 0.01,
+        ..own.with_choice(Choice::NarrowHips)
+    };
+    let (from, to) = (problem(own), problem(other));
+    assert_eq!(from.towards(&to, 1.0), Some(to));
+    let half = from.towards(&to, 0.5).unwrap();
+    let (Contact::Compliant(ground), Goal::Speed { weight, .. }) = (half.contact, half.goal) else {
+        panic!("{half:?}");
+    };
+    assert!((ground.stiffness_n_m15 / 1e5 - 1.0).abs() < 1e-12);
+    assert!((ground.loss_s_m - 1.5).abs() < 1e-12);
+    assert!((weight - 0.1).abs() < 1e-12);
+    let hips = [from, half, to].map(|p| p.limits.hip_rad[0]);
+    assert!(hips[0] < hips[1] && hips[1] < hips[2], "{hips:?}");
+    // There is none between two contacts or meshes.
+    let rigid = problem(Name::rigid(Mount::Asymmetric, 1.0, 20.0));
+    let fine = problem(own.with_choice(Choice::FineMesh));
+    assert_eq!(from.towards(&rigid, 0.5), None);
+    assert_eq!(from.towards(&fine, 0.5), None);
 }
 
 #[test]

@@ -7,6 +7,9 @@ use crate::HessianModel;
 pub struct Options {
     /// Largest number of iterations.
     pub max_iterations: usize,
+    /// Largest number of quadratic subproblems. They take nearly all of the time, and a solve that asks for many of them is
+    /// mostly one that leads nowhere.
+    pub max_subproblems: usize,
     /// Optimality error at which the polish takes over.
     pub optimality: f64,
     /// Largest missed row at which the polish takes over.
@@ -35,6 +38,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             max_iterations: 300,
+            max_subproblems: usize::MAX,
             optimality: 1e-4,
             feasibility: 1e-6,
             certified: 1e-9,

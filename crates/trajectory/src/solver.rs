@@ -135,7 +135,7 @@ impl<'e> Run<'e> {
             if self.at.cost < BOTTOMLESS {
                 return Status::Unbounded;
             }
-            if self.counters.iterations >= self.options.max_iterations {
+            if self.is_at_its_limit() {
                 return Status::IterationLimit;
             }
             if !self.proposer.refresh_hessian(&self.at, &mut self.counters) {
@@ -148,6 +148,11 @@ impl<'e> Run<'e> {
                 return Status::NonFinite;
             }
         }
+    }
+
+    fn is_at_its_limit(&self) -> bool {
+        self.counters.iterations >= self.options.max_iterations
+            || self.counters.subproblems >= self.options.max_subproblems
     }
 
     /// Polishes; a status if the point is good enough to stop.

@@ -2,18 +2,21 @@
 //!
 //! A problem is solved from the strides of other problems, the nearest by name first; the cheapest certified stride stays, and
 //! how many starts ended in it is counted. A start is the stride of another problem: it is tried once, and again only
-//! when that problem has found a better stride. The book is complete when nothing is left to try.
+//! when that problem has found a better stride. One that came from the stride to be found may lead on, but proves nothing.
+//! The book is complete when nothing is left to try.
 
-use super::Problem;
-use super::catalogue::{Kind, Name};
+use super::catalogue::{Choice, Kind, Name};
 use super::chain::{Case, Outcome, solve_all};
+use super::passage::pass;
+use super::programme::Stride;
 use super::refine::on_mesh;
-use trajectory::{Options, ProgrammeError, Start};
+use super::{Mesh, Problem};
+use trajectory::{Options, ProgrammeError, Start, Status, scaled_distance};
 
 /// Costs closer than this, relative, are those of one stride.
 const SAME_COST: f64 = 1e-6;
-/// Shortest part of a way between two contacts that is tried in one step.
-const SHORTEST_PART: f64 = 1.0 / 16.0;
+/// First and shortest part of a way between two contacts that is tried in one step.
+const PARTS: (f64, f64) = (0.5, 1.0 / 16.0);
 
 /// A start that a problem was solved from: whose stride it was, and its cost.
 pub type Source = (Name, f64);
@@ -29,6 +32,17 @@ pub struct Entry {
     pub outcome: Option<Outcome>,
     /// Starts that it was solved from; a start that is no stride of the book stands under its own name.
     pub tried: Vec<Source>,
+    /// Starts tried before the best stride came.
+    pub before: usize,
+    /// The start that led to the best stride, if it is known.
+    pub from: Option<Source>,
+}
+
+/// Whether two strides are one: the same problem up to a choice that does not bind, and the same cost. A stance below both of two
+/// limits, say, is one start and not two.
+fn is_same((a, a_cost): Source, (b, b_cost): Source) -> bool {
+    let own = |name: Name| name.with_choice(Choice::Own);
+    own(a) == own(b) && (a_cost - b_cost).abs() <= SAME_COST * b_cost.abs()
 }
 
 impl Entry {
@@ -37,11 +51,46 @@ impl Entry {
         self.outcome.as_ref().is_some_and(Outcome::is_certified)
     }
 
-    fn has_tried(&self, (name, cost): Source) -> bool {
-        let same = |known: f64| (known - cost).abs() <= SAME_COST * cost.abs();
-        self.tried
-            .iter()
-            .any(|&(known, at)| known == name && same(at))
+    fn has_tried(&self, source: Source) -> bool {
+        self.tried.iter().any(|&known| is_same(known, source))
+    }
+
+    /// Whether a stride is the one that stands here.
+    fn is_own(&self, source: Source) -> bool {
+        let own = self.outcome.as_ref().map(|o| (self.name, o.cost));
+        own.is_some_and(|own| is_same(own, source))
+    }
+
+    /// Whether it is news that a stride of another problem leads here. It is not if it came from the stride that stands here, or
+    /// is one of another choice, most of which were made from those of the own one: the way back proves nothing, though it may
+    /// lead on to a better stride.
+    fn is_proof(&self, other: &Self) -> bool {
+        let choice = other.name.choice;
+        let derived = choice != Choice::Own && choice != self.name.choice;
+        let back = other.from.is_some_and(|from| self.is_own(from));
+        !derived && !back
+    }
+
+    /// How many starts it may still take until `wanted` have found the best stride, if they go on finding it as often as those
+    /// since it came (one start more of either kind, so that the first ones do not decide). None if there are enough.
+    pub fn starts_left(&self, wanted: usize) -> Option<f64> {
+        let (found, tried) = self
+            .outcome
+            .as_ref()
+            .filter(|o| o.is_certified())
+            .map_or((0, self.tried.len()), |o| {
+                (o.found_by, o.tried - self.before)
+            });
+        let missing = wanted.saturating_sub(found);
+        let often = (found + 1) as f64 / (tried.max(found) + 2) as f64;
+        (missing > 0).then_some(missing as f64 / often)
+    }
+
+    /// A better stride was found once, whoever led to it.
+    fn first_find(&mut self) {
+        if let Some(outcome) = &mut self.outcome {
+            outcome.found_by = 1;
+        }
     }
 
     /// Where no list of starts was kept, nothing tells whether a start was counted before: the count begins from nothing.
@@ -49,32 +98,71 @@ impl Entry {
         if self.tried.is_empty()
             && let Some(outcome) = &mut self.outcome
         {
-            (outcome.found_by, outcome.tried) = (0, 0);
+            (outcome.found_by, outcome.tried, self.before) = (0, 0, 0);
         }
     }
 
-    /// Merges a find; whether it is better than what stood here.
-    fn take(&mut self, found: Outcome) -> bool {
+    /// Merges a find and its start; whether it is better than what stood here.
+    fn take(&mut self, found: Outcome, from: Source) -> bool {
         let (better, merged) = match self.outcome.take() {
             Some(before) => {
                 let (status, cost) = (before.status, before.cost);
+                let tried = before.tried;
                 let merged = before.merged(found);
-                (merged.status != status || merged.cost != cost, merged)
+                let better = merged.status != status || merged.cost != cost;
+                if better {
+                    self.before = tried;
+                }
+                (better, merged)
             }
             None => (true, found),
         };
         self.outcome = Some(merged);
+        if better {
+            self.from = Some(from);
+        }
         better
     }
 }
 
 /// What a look at the other strides brought.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Looked {
-    /// Starts tried.
-    pub tried: usize,
+    /// How the starts ended that were tried.
+    pub ends: Vec<End>,
     /// Whether the problem has a better stride now, or its first.
     pub better: bool,
+}
+
+/// How one start ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct End {
+    /// Whose stride it was.
+    pub source: Source,
+    /// How the solve ended.
+    pub status: Status,
+    /// Cost there.
+    pub cost: f64,
+    /// Steps.
+    pub iterations: usize,
+    /// Quadratic subproblems.
+    pub subproblems: usize,
+    /// Largest distance to the best stride until then, in scales of the variables.
+    pub apart: Option<f64>,
+}
+
+impl End {
+    fn new(source: Source, found: &Outcome, best: Option<&Outcome>) -> Self {
+        let stride = Stride::new(found.problem);
+        Self {
+            source,
+            status: found.status,
+            cost: found.cost,
+            iterations: found.iterations,
+            subproblems: found.subproblems,
+            apart: best.map(|best| scaled_distance(&stride, &best.x, &found.x)),
+        }
+    }
 }
 
 /// The book.
@@ -109,38 +197,51 @@ impl Book {
                 problem,
                 outcome,
                 tried: source.into_iter().cycle().take(starts.len()).collect(),
+                before: 0,
+                from: None,
             });
         }
         Ok(())
     }
 
-    /// Solves the problem at `place` from the nearest strides that are new to it: at most `most`, at most `reach` steps
-    /// of the names away.
+    /// Solves the problem at `place` from the nearest strides that are new to it: at most `most`, at most `reach` away
+    /// ([`Name::distance`]).
     ///
     /// # Errors
     /// As [`Book::add`].
     pub fn look(
         &mut self,
         place: usize,
-        reach: usize,
+        reach: f64,
         most: usize,
         options: &Options,
     ) -> Result<Looked, ProgrammeError> {
-        let (sources, starts): (Vec<Source>, Vec<Start>) =
-            self.starts(place, reach).into_iter().take(most).unzip();
-        if starts.is_empty() {
-            return Ok(Looked::default());
-        }
-        let tried = starts.len();
         let problem = self.entries[place].problem;
-        let found = solve_all(&[Case { problem, starts }], options)?
-            .pop()
-            .flatten();
+        let (sources, cases): (Vec<(Source, bool)>, Vec<Case>) = self
+            .near(place, reach)
+            .into_iter()
+            .take(most)
+            .map(|near| {
+                let starts = vec![start(near.outcome, problem.mesh)];
+                ((near.source, near.proof), Case { problem, starts })
+            })
+            .unzip();
+        let mut looked = Looked::default();
         let entry = &mut self.entries[place];
-        entry.count_from_list();
-        entry.tried.extend(sources);
-        let better = found.is_some_and(|outcome| entry.take(outcome));
-        Ok(Looked { tried, better })
+        for ((source, proof), found) in sources.into_iter().zip(solve_all(&cases, options)?) {
+            entry.count_from_list();
+            entry.tried.push(source);
+            let Some(mut found) = found else { continue };
+            found.found_by = usize::from(proof);
+            looked
+                .ends
+                .push(End::new(source, &found, entry.outcome.as_ref()));
+            if entry.take(found, source) {
+                looked.better = true;
+                entry.first_find();
+            }
+        }
+        Ok(looked)
     }
 
     /// Solves the problem at `place` from a start that is no stride of this book; it counts as one start.
@@ -164,9 +265,11 @@ impl Book {
             return Ok(Looked::default());
         };
         entry.count_from_list();
-        entry.tried.push((entry.name, outcome.cost));
-        let better = entry.take(outcome);
-        Ok(Looked { tried: 1, better })
+        let source = (entry.name, outcome.cost);
+        entry.tried.push(source);
+        let ends = vec![End::new(source, &outcome, entry.outcome.as_ref())];
+        let better = entry.take(outcome, source);
+        Ok(Looked { ends, better })
     }
 
     /// Walks to the contact of the problem at `place` from the nearest certified stride of another stiffness or loss, in
@@ -185,72 +288,74 @@ impl Book {
             name.kind == Kind::Compliant && e.name == alike && e.name.is_beside(&name)
         };
         let mut looked = Looked::default();
-        let from: Vec<(Name, Problem, Start)> = self
+        let from: Vec<(Source, Problem, Start)> = self
             .entries
             .iter()
             .filter(beside)
             .filter(|e| e.is_certified())
-            .filter_map(|e| Some((e.name, e.problem, e.outcome.as_ref()?.start())))
+            .filter_map(|e| {
+                let outcome = e.outcome.as_ref()?;
+                Some(((e.name, outcome.cost), e.problem, outcome.start()))
+            })
             .collect();
-        for (other, problem, mut start) in from {
-            let (mut way, mut part) = (0.0, 0.5);
-            while part >= SHORTEST_PART {
-                let to = if way + part >= 1.0 {
-                    self.entries[place].problem
-                } else {
-                    let ground = name.between(&other, 1.0 - way - part);
-                    Problem {
-                        contact: ground.contact(),
-                        ..problem
-                    }
-                };
-                let case = Case {
-                    problem: to,
-                    starts: vec![start.clone()],
-                };
-                looked.tried += 1;
-                let found = solve_all(&[case], options)?.pop().flatten();
-                let Some(found) = found.filter(Outcome::is_certified) else {
-                    part /= 2.0;
-                    continue;
-                };
-                way += part;
-                if way >= 1.0 {
-                    looked.better |= self.entries[place].take(found);
-                    break;
-                }
-                start = found.start();
-                part = (2.0 * part).min(1.0 - way);
+        let to = self.entries[place].problem;
+        for (source, problem, start) in from {
+            let passage = pass(&problem, start, &to, PARTS, options)?;
+            let solves = passage.solves.iter();
+            looked
+                .ends
+                .extend(solves.map(|(_, found)| End::new(source, found, None)));
+            if let Some(found) = passage.end() {
+                looked.better |= self.entries[place].take(found, source);
             }
         }
         Ok(looked)
     }
 
+    /// Distance of the nearest stride that is new to the problem at `place`.
+    pub fn nearest(&self, place: usize) -> Option<f64> {
+        self.near(place, f64::INFINITY).first().map(|n| n.distance)
+    }
+
     /// The certified strides within `reach` of an entry that it has not started from yet, the nearest first.
-    fn starts(&self, place: usize, reach: usize) -> Vec<(Source, Start)> {
+    fn near(&self, place: usize, reach: f64) -> Vec<Near<'_>> {
         let entry = &self.entries[place];
-        let mesh = entry.problem.mesh;
-        let mut near: Vec<(usize, Source, &Outcome)> = self
+        let mut near: Vec<Near<'_>> = self
             .entries
             .iter()
             .filter(|other| other.name != entry.name && other.is_certified())
             .filter_map(|other| {
                 let outcome = other.outcome.as_ref()?;
-                let steps = other.name.steps_apart(&entry.name)?;
-                Some((steps, (other.name, outcome.cost), outcome))
+                let distance = other.name.distance(&entry.name)?;
+                let source = (other.name, outcome.cost);
+                let old = distance > reach || entry.is_own(source) || entry.has_tried(source);
+                (!old).then(|| Near {
+                    distance,
+                    source,
+                    outcome,
+                    proof: entry.is_proof(other),
+                })
             })
-            .filter(|&(steps, source, _)| steps <= reach && !entry.has_tried(source))
             .collect();
-        near.sort_by_key(|&(steps, ..)| steps);
-        near.into_iter()
-            .map(|(_, source, outcome)| {
-                let start = if outcome.problem.mesh == mesh {
-                    outcome.start()
-                } else {
-                    Start::cold(on_mesh(&outcome.problem, &outcome.x, mesh))
-                };
-                (source, start)
-            })
-            .collect()
+        near.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+        near
+    }
+}
+
+/// The stride of another problem, as a start.
+struct Near<'a> {
+    distance: f64,
+    source: Source,
+    outcome: &'a Outcome,
+    /// Whether it counts if it leads to the stride that stands here.
+    proof: bool,
+}
+
+/// A stride as a start on a mesh.
+fn start(outcome: &Outcome, mesh: Mesh) -> Start {
+    if outcome.problem.mesh == mesh {
+        outcome.start()
+    } else {
+        Start::cold(on_mesh(&outcome.problem, &outcome.x, mesh))
     }
 }

@@ -237,15 +237,6 @@ impl Name {
         }
     }
 
-    /// This name with a contact that lies `part` of the way towards that of another: stiffness by ratio, loss by difference.
-    pub(super) fn between(self, other: &Self, part: f64) -> Self {
-        Self {
-            k: self.k * (other.k / self.k).powf(part),
-            c: self.c + part * (other.c - self.c),
-            ..self
-        }
-    }
-
     /// The problem of this name for a machine and its brush.
     pub fn problem(&self, biped: &Biped, brush: Brush) -> Problem {
         Problem {
@@ -288,6 +279,41 @@ impl Name {
             + usize::from(self.brush != other.brush)
             + choice;
         (self.kind == other.kind).then_some(steps)
+    }
+}
+
+/// What another mounting of the brush counts beside ratios of stiffness, loss and weight: [`Name::distance`].
+const BRUSH_APART: f64 = 0.4;
+/// What the logarithm of the ratio of two weights counts: a stride that got better led on to better ones at other weights in five to
+/// nine steps.
+const WEIGHT_APART: f64 = 0.4;
+/// What another choice counts.
+const CHOICE_APART: f64 = 0.5;
+
+impl Name {
+    /// How far a stride of the one is from being a good start for the other; none between two kinds of contact. Sum of
+    /// |ln| of the ratios of stiffness, loss, weight and aim, and of what brush and choice count. The numbers for these order what a search
+    /// of the map saw: of 88 starts from another brush alone 61 ended at a certificate and 23 in a better stride, of 53 from another
+    /// stiffness 17 and 4, of 32 from another loss 14 and 2, of 57 from another brush and another stiffness or loss 9 and 2.
+    pub fn distance(&self, other: &Self) -> Option<f64> {
+        let ratio = |a: f64, b: f64| if a == b { 0.0 } else { (a / b).ln().abs() };
+        let brush = if self.brush == other.brush {
+            0.0
+        } else {
+            BRUSH_APART
+        };
+        let choices = match (self.choice, other.choice) {
+            (a, b) if a == b => 0.0,
+            (Choice::Own, _) | (_, Choice::Own) => 1.0,
+            _ => 2.0,
+        };
+        let distance = ratio(self.k, other.k)
+            + ratio(self.c, other.c)
+            + WEIGHT_APART * ratio(self.weight, other.weight)
+            + ratio(self.aim, other.aim)
+            + brush
+            + CHOICE_APART * choices;
+        (self.kind == other.kind).then_some(distance)
     }
 }
 

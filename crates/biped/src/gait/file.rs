@@ -33,4 +33,7 @@ pub struct Search {
     pub found: usize,
     /// Starts from which it solved the problem.
     pub tried: usize,
+    /// The start that led to the stride, where the search kept it: whose stride it was, and its cost.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from: Option<(Name, f64)>,
 }

@@ -15,6 +15,7 @@ pub mod file;
 pub mod layout;
 mod linear;
 pub mod motion;
+pub mod passage;
 mod point;
 pub mod programme;
 pub mod refine;
