@@ -13,7 +13,7 @@ use crate::equivalence::{Contest, contest};
 use crate::excerpt::Excerpt;
 use crate::experiment::{Hypothesis, propose};
 use crate::extension::model_file;
-use crate::gain;
+use crate::gain::{self, Gains};
 use crate::integrity::inspect;
 use crate::laws;
 use crate::prepare::bench;
@@ -127,6 +127,26 @@ pub fn diagnose_fully(
         whole = Whole::of(&recorded, bench, &selected);
     }
     let mut answer = assemble(&whole, &selected, &contests, &integrity);
+    let mut gains = None;
+    if !options.quick {
+        let ties: Vec<Vec<usize>> = contests.iter().map(Contest::tied).collect();
+        let floor = answer.noise_floor.rmse;
+        gains = gain::judge(bench, &whole, &selected, &ties, floor);
+    }
+    if gains.as_ref().is_some_and(Gains::speak_against) {
+        let named = selected.stand.fitted.effects.iter();
+        let causes: Vec<&str> = named.map(|&e| bench.catalogue[e].id()).collect();
+        let taken = format!(
+            "on unseen runs the extension by {} does no better than scrambled ones: it is not named",
+            causes.join(", ")
+        );
+        take_all_back(bench, &mut selected);
+        contests.clear();
+        whole = Whole::of(&recorded, bench, &selected);
+        answer = assemble(&whole, &selected, &contests, &integrity);
+        answer.notes.push(taken);
+        gains = gains.map(Gains::of_the_law);
+    }
     if let Some(condensed) = &condensed {
         answer.notes.push(condensed.note(&recorded.samples));
     }
@@ -134,6 +154,9 @@ pub fn diagnose_fully(
         answer.notes.push(unseen.note());
     }
     if !options.quick {
+        if let Some(gains) = gains {
+            gains.enter(bench, &selected, &mut answer);
+        }
         complete(bench, &whole, &selected, &contests, &mut answer, options);
     }
     let extension = model_file(&recorded, &selected.stand, &whole.extended);
@@ -177,7 +200,7 @@ fn select_on_rows(
     Some(selected)
 }
 
-/// Gain by folds, experiments, ties of the design and the other laws.
+/// Experiments, ties of the design and the other laws.
 fn complete(
     bench: &Bench<'_>,
     whole: &Whole<'_>,
@@ -187,17 +210,6 @@ fn complete(
     options: &Options,
 ) {
     let scatter = selected.stand.ground.likeliest_scatter();
-    let ties: Vec<Vec<usize>> = contests.iter().map(Contest::tied).collect();
-    if let Some(gains) = gain::judge(bench, whole, selected, &ties, answer.noise_floor.rmse) {
-        answer.baseline.held_out_rmse = Some(gains.held_out_law);
-        answer.gain = gains.joint;
-        for (k, own) in gains.each.into_iter().enumerate() {
-            let id = bench.catalogue[selected.stand.fitted.effects[k]].id();
-            if let Some(finding) = answer.findings.iter_mut().find(|f| f.cause == id) {
-                finding.gain = own;
-            }
-        }
-    }
     for (k, contest) in contests.iter().enumerate() {
         let id = bench.catalogue[selected.stand.fitted.effects[k]].id();
         let Some(opponent) = contest.opponents.iter().find_map(|o| o.fitted.as_ref()) else {

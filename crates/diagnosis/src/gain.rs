@@ -20,7 +20,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use crate::answer::Gain;
+use crate::answer::{Diagnosis, Gain};
 use crate::bench::Bench;
 use crate::floor;
 use crate::ground::orthonormal;
@@ -57,6 +57,45 @@ pub(crate) struct Gains {
     pub(crate) held_out_law: f64,
     pub(crate) joint: Option<Gain>,
     pub(crate) each: Vec<Option<Gain>>,
+}
+
+/// Share of the explainable error that a name must possibly explain on unseen runs.
+const POSSIBLE: f64 = 0.5;
+/// Share of the scrambled extensions that it must beat there, and the share below which it is worse than they are.
+const BEATEN: f64 = 0.95;
+const WORSE: f64 = 0.5;
+
+impl Gains {
+    /// Whether the unseen runs speak against what was named: scrambled signatures do better there, or as well while what is named
+    /// can explain but a part of the error.
+    pub(crate) fn speak_against(&self) -> bool {
+        self.joint.as_ref().is_some_and(|gain| {
+            let below = |share: f64| gain.placebo_exceeded.is_some_and(|beaten| beaten < share);
+            let a_part = gain.ci95.is_some_and(|[_, most]| most < POSSIBLE);
+            below(WORSE) || (below(BEATEN) && a_part)
+        })
+    }
+
+    /// What is left of them where the names were taken back.
+    pub(crate) fn of_the_law(self) -> Self {
+        Self {
+            joint: None,
+            each: Vec::new(),
+            ..self
+        }
+    }
+
+    /// Writes them into the answer.
+    pub(crate) fn enter(self, bench: &Bench<'_>, selected: &Selected, answer: &mut Diagnosis) {
+        answer.baseline.held_out_rmse = Some(self.held_out_law);
+        answer.gain = self.joint;
+        for (own, &effect) in self.each.into_iter().zip(&selected.stand.fitted.effects) {
+            let id = bench.catalogue[effect].id();
+            if let Some(finding) = answer.findings.iter_mut().find(|f| f.cause == id) {
+                finding.gain = own;
+            }
+        }
+    }
 }
 
 /// Runs left out, fold by fold.

@@ -108,6 +108,71 @@ fn flat_top(campaign: &Campaign, step: Option<f64>) -> Option<f64> {
     (longest >= FLAT && crowded).then_some(top)
 }
 
+/// Samples on a flat top and those that it picks out: where friction comes near the level, only what the noise took below it is
+/// left. How far that reaches is read off the stretches between clipped samples.
+pub(crate) fn beside_flat_top(campaign: &Campaign, level: f64) -> Vec<bool> {
+    let runs = campaign.runs.iter();
+    let tops: Vec<Top> = runs.map(|run| Top::of(&run.force_n, level)).collect();
+    let mut dips: Vec<f64> = tops.iter().flat_map(Top::dips).collect();
+    dips.sort_by(f64::total_cmp);
+    let deepest = match dips.len() {
+        0 => 0.0,
+        n => dips[(n as f64 * DEEP) as usize],
+    };
+    tops.iter().flat_map(|top| top.hidden(deepest)).collect()
+}
+
+/// Samples to each side in which a flat top is looked for.
+const BESIDE: usize = 10;
+/// Share of the dips between clipped samples that are no deeper than what counts as reach of the noise.
+const DEEP: f64 = 0.95;
+
+/// One run below a level.
+struct Top {
+    level: f64,
+    /// |force|, N.
+    sizes: Vec<f64>,
+    clipped: Vec<bool>,
+}
+
+impl Top {
+    fn of(forces: &[f64], level: f64) -> Self {
+        let sizes: Vec<f64> = forces.iter().map(|f| f.abs()).collect();
+        let clipped = sizes.iter().map(|f| *f >= level * (1.0 - 1e-9)).collect();
+        Self {
+            level,
+            sizes,
+            clipped,
+        }
+    }
+
+    /// Whether clipped samples stand closely before and behind.
+    fn is_between(&self, i: usize) -> bool {
+        let before = &self.clipped[i.saturating_sub(BESIDE)..i];
+        let behind = &self.clipped[i + 1..(i + 1 + BESIDE).min(self.clipped.len())];
+        before.contains(&true) && behind.contains(&true)
+    }
+
+    /// How far samples between clipped ones lie below the level, N.
+    fn dips(&self) -> impl Iterator<Item = f64> {
+        let open = (0..self.sizes.len()).filter(|&i| !self.clipped[i] && self.is_between(i));
+        open.map(|i| self.level - self.sizes[i])
+    }
+
+    /// Samples that are clipped, stand between such, or in whose neighbourhood the force comes within the noise's reach of the level.
+    fn hidden(&self, reach: f64) -> Vec<bool> {
+        let near = |i: usize| {
+            let around = &self.sizes[i.saturating_sub(BESIDE / 2)..];
+            let around = &around[..around.len().min(BESIDE + 1)];
+            let highest = around.iter().copied().fold(0.0, f64::max);
+            reach > 0.0 && highest > self.level - reach
+        };
+        (0..self.sizes.len())
+            .map(|i| self.clipped[i] || self.is_between(i) || near(i))
+            .collect()
+    }
+}
+
 /// The step of which all force values are multiples, where there are few distinct values. Neighbouring values differ by small
 /// counts of steps, which rounding to digits cannot hide; the step is the slope of the values over the counts so added up.
 fn coarse_step(mut values: Vec<f64>) -> Option<Read> {

@@ -7,7 +7,7 @@ use rig::{Experiment, ModelFile};
 use crate::bench::Bench;
 use crate::causes;
 use crate::diagnose::{DiagnosisError, Options};
-use crate::integrity::inspect;
+use crate::integrity::{beside_flat_top, inspect};
 use crate::prior::Prior;
 use crate::samples::Samples;
 
@@ -82,15 +82,19 @@ pub(crate) fn bench<'a>(
     })
 }
 
-/// Samples that say nothing about the law: clipped ones (the flat top is a finding of its own), and both ends of a run, where no
-/// record tells from what its filters started and how long its stage took to change its acceleration.
+/// Samples that say nothing about the law: those that a clipped channel hides or picks out (the flat top is a finding of its own),
+/// and both ends of a run, where no record tells from what its filters started and how long its stage took to change its
+/// acceleration.
 fn masked(campaign: &Campaign, saturation: Option<f64>) -> Vec<bool> {
+    let hidden = saturation.map(|level| beside_flat_top(campaign, level));
     let mut masked = Vec::new();
     for run in &campaign.runs {
-        let clipped = |f: &f64| saturation.is_some_and(|level| f.abs() >= level * (1.0 - 1e-9));
         let first = masked.len();
-        masked.extend(run.force_n.iter().map(clipped));
-        let last = masked.len() - 1;
+        let last = first + run.force_n.len() - 1;
+        match &hidden {
+            Some(hidden) => masked.extend_from_slice(&hidden[first..=last]),
+            None => masked.resize(last + 1, false),
+        }
         masked[first] = true;
         masked[last] = true;
     }

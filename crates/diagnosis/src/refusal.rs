@@ -12,9 +12,9 @@ use crate::stand::Stand;
 use crate::uniform::is_uniform;
 
 /// Where something is left that nothing explains, one cause stays named only if it explains this share of all of it.
-const DOMINANT: f64 = 0.9;
+const DOMINANT: f64 = 0.95;
 /// The same of two causes together.
-const DOMINANT_PAIR: f64 = 0.9;
+const DOMINANT_PAIR: f64 = 0.95;
 /// The same of three: beside a rest they are as little to be believed as four, unless it is what their shapes may be wrong by.
 const DOMINANT_TRIPLE: f64 = 1.0 - SHAPE_TOLERANCE * SHAPE_TOLERANCE;
 
