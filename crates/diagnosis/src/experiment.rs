@@ -45,6 +45,8 @@ pub(crate) struct Hypothesis<'a> {
 struct Candidate {
     text: &'static str,
     runs: Vec<Run>,
+    /// The campaign's runs that these go through again, unchanged but for their place in the day; empty for other motions.
+    again: Vec<usize>,
 }
 
 /// Proposes the run that tells two hypotheses apart; `None` where no run that was considered tells anything.
@@ -88,7 +90,7 @@ fn distance(
     let old = bench.samples.len();
     longer.runs.extend(candidate.runs.iter().cloned());
     let experiment = Experiment::new(&longer).ok()?;
-    let predict = |h: &Hypothesis<'_>| -> Option<[Vec<f64>; 2]> {
+    let predict = |h: &Hypothesis<'_>| -> Option<[Vec<f64>; 3]> {
         let effects = h
             .effects
             .iter()
@@ -97,12 +99,12 @@ fn distance(
         let model = Model::new(bench.law, effects, &experiment).ok()?;
         let mut p = h.parameters.to_vec();
         p.resize(model.parameters().len(), 0.0);
-        Some([
-            model.predict(&experiment, &p)[old..].to_vec(),
-            model.friction(&experiment, &p)[old..].to_vec(),
-        ])
+        let mut whole = model.predict(&experiment, &p);
+        let new = whole.split_off(old);
+        Some([whole, new, model.friction(&experiment, &p)[old..].to_vec()])
     };
-    let ([x, friction], [y, _]) = (predict(a)?, predict(b)?);
+    let ([of_a, x, friction], [of_b, y, _]) = (predict(a)?, predict(b)?);
+    let before: Vec<f64> = of_a.iter().zip(&of_b).map(|(p, q)| p - q).collect();
     let mut context = Context {
         runs: Vec::new(),
         sliding: Vec::new(),
@@ -118,7 +120,16 @@ fn distance(
         context.place.extend(&run.position_m);
         context.runs.push(start..context.sliding.len());
     }
-    let difference = DVector::from_iterator(x.len(), x.iter().zip(&y).map(|(p, q)| p - q));
+    let mut difference = DVector::from_iterator(x.len(), x.iter().zip(&y).map(|(p, q)| p - q));
+    for (run, again) in experiment.runs[bench.samples.runs.len()..]
+        .iter()
+        .zip(&candidate.again)
+    {
+        // What the two differ by in the run that is repeated the law has had to make up for already.
+        for (i, first) in run.samples.clone().zip(bench.samples.runs[*again].clone()) {
+            difference[i - old] -= before[first];
+        }
+    }
     if difference.iter().any(|d| !d.is_finite()) {
         return None;
     }
@@ -160,6 +171,7 @@ fn candidates(campaign: &Campaign) -> Vec<Candidate> {
             .into_iter()
             .take(1)
             .collect(),
+            again: Vec::new(),
         });
     }
     let mut rested = vec![base.clone()];
@@ -168,19 +180,28 @@ fn candidates(campaign: &Campaign) -> Vec<Candidate> {
         out.push(Candidate {
             text: "rest for an hour, then repeat one run",
             runs: rested,
+            again: campaign
+                .runs
+                .iter()
+                .position(|r| r == base)
+                .into_iter()
+                .collect(),
         });
     }
     out.push(Candidate {
         text: "one run of speed steps with sharp edges",
         runs: vec![reshaped(campaign, base, &steps)],
+        again: Vec::new(),
     });
     out.push(Candidate {
         text: "one run back and forth, speed as a triangle",
         runs: vec![reshaped(campaign, base, &cycles)],
+        again: Vec::new(),
     });
     out.push(Candidate {
         text: "one run at constant speed",
         runs: vec![reshaped(campaign, base, &constant)],
+        again: Vec::new(),
     });
     if base.order.is_some() {
         let mut runs: Vec<Run> = campaign.runs.iter().rev().take(4).cloned().collect();
@@ -188,6 +209,7 @@ fn candidates(campaign: &Campaign) -> Vec<Candidate> {
         out.push(Candidate {
             text: "repeat the last four runs in reversed order",
             runs,
+            again: (0..campaign.runs.len()).rev().take(4).collect(),
         });
     }
     if loaded {
@@ -199,17 +221,20 @@ fn candidates(campaign: &Campaign) -> Vec<Candidate> {
                     force.iter_mut().for_each(|f| *f *= 2.0);
                 }
             }),
+            again: Vec::new(),
         });
     }
     if !turned {
         out.push(Candidate {
             text: "turn the stage round and repeat one run each way",
             runs: pair(&|r| r.stage_turned = true),
+            again: Vec::new(),
         });
     }
     out.push(Candidate {
         text: "turn the specimen round and repeat one run each way",
         runs: pair(&|r| r.specimen_turned = !r.specimen_turned),
+        again: Vec::new(),
     });
     out
 }

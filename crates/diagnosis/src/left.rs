@@ -25,8 +25,7 @@ pub(crate) fn lack(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Lack {
         .collect();
     let names = bench.run_names(subset);
     let recorded = subset.gather(&stand.fitted.prediction);
-    let families =
-        general::families(&samples, &scale, recorded.as_slice(), stand.sizes.length);
+    let families = general::families(&samples, &scale, recorded.as_slice(), stand.sizes.length);
     let white: Vec<DMatrix<f64>> = families
         .iter()
         .map(|f| {

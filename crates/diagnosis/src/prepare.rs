@@ -1,6 +1,6 @@
 //! From a campaign and a question to the bench: the law, the catalogue, what a model file knows, samples that say nothing.
 
-use campaign::Campaign;
+use campaign::{Campaign, Protocol};
 use friction::LawKind;
 use rig::{Experiment, ModelFile};
 
@@ -41,7 +41,7 @@ pub(crate) fn bench<'a>(
         (None, None) => default_law(campaign),
     };
     let mut experiment = Experiment::new(campaign)?;
-    rig::Model::new(law, Vec::new(), &experiment)?;
+    let least_speed = rig::Model::new(law, Vec::new(), &experiment)?.least_speed_m_s();
     let prior = options
         .model
         .as_ref()
@@ -63,7 +63,8 @@ pub(crate) fn bench<'a>(
         _ => None,
     };
     let numbers = inspect(campaign, 0.0);
-    let masked = masked(campaign, numbers.saturation.map(|level| level.value));
+    let level = numbers.saturation.map(|level| level.value);
+    let masked = masked(campaign, level, least_speed);
     let mut samples = Samples::new(campaign);
     if let Some(file) = &options.model {
         take_extension_off(file, law, &mut experiment, &mut samples)?;
@@ -83,9 +84,9 @@ pub(crate) fn bench<'a>(
 }
 
 /// Samples that say nothing about the law: those that a clipped channel hides or picks out (the flat top is a finding of its own),
-/// and both ends of a run, where no record tells from what its filters started and how long its stage took to change its
-/// acceleration.
-fn masked(campaign: &Campaign, saturation: Option<f64>) -> Vec<bool> {
+/// those at a standstill that a static law does not know, and both ends of a run, where no record tells from what its filters
+/// started and how long its stage took to change its acceleration.
+fn masked(campaign: &Campaign, saturation: Option<f64>, least_speed_m_s: f64) -> Vec<bool> {
     let hidden = saturation.map(|level| beside_flat_top(campaign, level));
     let mut masked = Vec::new();
     for run in &campaign.runs {
@@ -94,6 +95,12 @@ fn masked(campaign: &Campaign, saturation: Option<f64>) -> Vec<bool> {
         match &hidden {
             Some(hidden) => masked.extend_from_slice(&hidden[first..=last]),
             None => masked.resize(last + 1, false),
+        }
+        // Without contact there is no friction: the reading is all that is asked for.
+        if run.protocol != Protocol::Unloaded {
+            for (masked, v) in masked[first..].iter_mut().zip(&run.velocity_m_s) {
+                *masked |= v.abs() < least_speed_m_s;
+            }
         }
         masked[first] = true;
         masked[last] = true;

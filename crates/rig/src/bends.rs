@@ -16,8 +16,7 @@ const TOGETHER: usize = 3;
 /// chord and velocity, |c| h^2 / 8, that a bend must reach to count.
 pub(crate) fn bends(time_s: &[f64], velocity_m_s: &[f64], bulge_m_s: f64) -> Vec<f64> {
     let intervals = time_s.len().saturating_sub(1);
-    let chord =
-        |i: usize| (velocity_m_s[i + 1] - velocity_m_s[i]) / (time_s[i + 1] - time_s[i]);
+    let chord = |i: usize| (velocity_m_s[i + 1] - velocity_m_s[i]) / (time_s[i + 1] - time_s[i]);
     let second = |i: usize| 2.0 * (chord(i) - chord(i - 1)) / (time_s[i + 1] - time_s[i - 1]);
     let mut bends: Vec<f64> = (0..intervals)
         .map(|i| {

@@ -53,6 +53,9 @@ pub struct Model {
 
 /// Width of the regularised sign of static laws, as a share of the campaign's largest speed.
 const SIGN_WIDTH_SHARE: f64 = 1e-3;
+/// Such widths below which a static law tells how its sign is smoothed and not how large friction is: at four of them the sign is
+/// short of one by less than a thousandth.
+const WIDTHS_OF_STANDSTILL: f64 = 4.0;
 
 impl Model {
     /// A model for this campaign.
@@ -121,6 +124,16 @@ impl Model {
             sign_width: SIGN_WIDTH_SHARE * experiment.scales.speed_m_s,
             steps_a_sample: crate::cord::STEPS_A_SAMPLE,
         })
+    }
+
+    /// Speed from which on the law tells how large friction is, m/s. A static law knows no standstill: below, its force is that of
+    /// a smoothed sign. Zero for laws with a state.
+    pub fn least_speed_m_s(&self) -> f64 {
+        if self.law.is_dynamic() {
+            0.0
+        } else {
+            WIDTHS_OF_STANDSTILL * self.sign_width
+        }
     }
 
     /// The same model with the cosine factor of E7 in another place.

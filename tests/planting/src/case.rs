@@ -7,7 +7,7 @@ use crate::machine::{Recording, Rig, run_day};
 use crate::package::{Label, files};
 use crate::plan::{Noise, Plan};
 use crate::protocols::Protocol;
-use crate::roughness::{Tails, stream};
+use crate::roughness::{Grain, Tails, stream};
 use crate::species::{Scales, draw};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -58,6 +58,8 @@ pub enum NoiseKind {
     FreeRoughness,
     /// Nine tenths of the roughness fixed to the plate.
     PlateRoughness,
+    /// Roughness without corners: white noise behind a Gaussian.
+    SmoothRoughness,
     /// None at all, for comparisons of simulators.
     None,
 }
@@ -82,6 +84,7 @@ impl NoiseKind {
             Self::WideScatter => "wide-scatter",
             Self::FreeRoughness => "free-roughness",
             Self::PlateRoughness => "plate-roughness",
+            Self::SmoothRoughness => "smooth-roughness",
             Self::None => "none",
         }
     }
@@ -96,6 +99,7 @@ impl NoiseKind {
             sensor_n: accuracy_percent / 100.0 * full_scale_n,
             scatter: 0.01,
             tails: Tails::Normal,
+            grain: Grain::Rough,
         };
         match self {
             Self::Usual => usual,
@@ -117,6 +121,10 @@ impl NoiseKind {
             },
             Self::PlateRoughness => Noise {
                 plate_share: 0.9,
+                ..usual
+            },
+            Self::SmoothRoughness => Noise {
+                grain: Grain::Smooth,
                 ..usual
             },
             Self::None => Noise {

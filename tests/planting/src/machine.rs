@@ -8,7 +8,7 @@ use crate::effect::Effect;
 use crate::integrator::Integrator;
 use crate::law::Law;
 use crate::plan::{Noise, Plan, RunPlan};
-use crate::roughness::{Field, Tails, stream};
+use crate::roughness::{Field, Grain, Tails, stream};
 
 /// Standard gravity, m/s^2 (CGPM 1901, exact).
 pub const STANDARD_GRAVITY_M_S2: f64 = 9.806_65;
@@ -44,7 +44,7 @@ pub fn run_day(rig: &Rig, plan: &Plan, noise: &Noise, seed: u64) -> Vec<Recordin
         -0.2 * reach,
         1.2 * reach,
         noise.correlation_m,
-        noise.tails,
+        (noise.grain, noise.tails),
         &mut stream(seed, 0),
     );
     let mut history = History::default();
@@ -130,7 +130,7 @@ fn record_run(
             0.0,
             path_m * 1.3 + 0.01,
             noise.correlation_m,
-            noise.tails,
+            (noise.grain, noise.tails),
             &mut stream(seed, purpose + 1),
         ),
         debris_field: debris_field(rig, path_m, seed, purpose + 2),
@@ -178,7 +178,7 @@ fn debris_field(rig: &Rig, path_m: f64, seed: u64, purpose: u64) -> Field {
         0.0,
         path_m * 1.3 + 0.01,
         interval,
-        Tails::Normal,
+        (Grain::Rough, Tails::Normal),
         &mut stream(seed, purpose),
     )
 }

@@ -72,6 +72,8 @@ pub struct Noise {
     pub scatter: f64,
     /// Tails of roughness and sensor noise.
     pub tails: crate::roughness::Tails,
+    /// How smooth the roughness is.
+    pub grain: crate::roughness::Grain,
 }
 
 impl Noise {
@@ -83,5 +85,6 @@ impl Noise {
         sensor_n: 0.0,
         scatter: 0.0,
         tails: crate::roughness::Tails::Normal,
+        grain: crate::roughness::Grain::Rough,
     };
 }

@@ -1,6 +1,6 @@
-//! Friction roughness: an Ornstein-Uhlenbeck field over a length, sampled exactly on a fine grid.
+//! Friction roughness: a field over a length, sampled exactly on a fine grid.
 //!
-//! A field r has unit variance and covariance exp(-|x - y| / l). Between grid points (a small share of l apart) it is
+//! A field r has unit variance and covariance exp(-|x - y| / l), or, without corners, exp(-(x - y)^2 / l^2). Between grid points (a small share of l apart) it is
 //! interpolated by a cubic through neighbouring points, so that dynamics which feel it have a smooth right-hand side.
 
 use rand::SeedableRng;
@@ -53,20 +53,62 @@ pub struct Field {
 /// than points, so that every record sees the field as rough as it is.
 const POINTS_A_LENGTH: f64 = 50.0;
 
+/// How smooth a field is.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub enum Grain {
+    /// An Ornstein-Uhlenbeck process: corners at every scale.
+    Rough,
+    /// White noise behind a Gaussian: no corners at all.
+    Smooth,
+}
+
+/// r_(i+1) = rho r_i + sqrt(1 - rho^2) e_i with rho = exp(-step), the step in correlation lengths.
+fn rough(count: usize, step: f64, tails: Tails, generator: &mut ChaCha8Rng) -> Vec<f64> {
+    let rho = (-step).exp();
+    let fresh = (1.0 - rho * rho).sqrt();
+    let mut value = tails.draw(generator);
+    let mut values = Vec::with_capacity(count);
+    for _ in 0..count {
+        values.push(value);
+        value = rho * value + fresh * tails.draw(generator);
+    }
+    values
+}
+
+/// sum_j w_j e_(i+j) with w a Gaussian of half the correlation length, sum_j w_j^2 = 1.
+fn smooth(count: usize, tails: Tails, generator: &mut ChaCha8Rng) -> Vec<f64> {
+    let wide = 0.5 * POINTS_A_LENGTH;
+    let reach = (4.0 * wide) as i32;
+    let weights: Vec<f64> = (-reach..=reach)
+        .map(|j| (-0.5 * (f64::from(j) / wide).powi(2)).exp())
+        .collect();
+    let size = weights.iter().map(|w| w * w).sum::<f64>().sqrt();
+    let white: Vec<f64> = (0..count + weights.len())
+        .map(|_| tails.draw(generator))
+        .collect();
+    let seen = |around: &[f64]| -> f64 { around.iter().zip(&weights).map(|(e, w)| e * w).sum() };
+    white
+        .windows(weights.len())
+        .take(count)
+        .map(|around| seen(around) / size)
+        .collect()
+}
+
 impl Field {
-    /// A field of unit variance with correlation length `length` over [from, to].
-    pub fn new(from: f64, to: f64, length: f64, tails: Tails, generator: &mut ChaCha8Rng) -> Self {
+    /// A field of unit variance whose correlation falls to 1/e over `length`, over [from, to].
+    pub fn new(
+        from: f64,
+        to: f64,
+        length: f64,
+        (grain, tails): (Grain, Tails),
+        generator: &mut ChaCha8Rng,
+    ) -> Self {
         let spacing = length / POINTS_A_LENGTH;
         let count = ((to - from) / spacing).ceil() as usize + 4;
-        // r_(i+1) = rho r_i + sqrt(1 - rho^2) e_i with rho = exp(-spacing/length)
-        let rho = (-spacing / length).exp();
-        let fresh = (1.0 - rho * rho).sqrt();
-        let mut values = Vec::with_capacity(count);
-        let mut value = tails.draw(generator);
-        for _ in 0..count {
-            values.push(value);
-            value = rho * value + fresh * tails.draw(generator);
-        }
+        let values = match grain {
+            Grain::Rough => rough(count, spacing / length, tails, generator),
+            Grain::Smooth => smooth(count, tails, generator),
+        };
         Self {
             from: from - spacing,
             spacing,
@@ -100,7 +142,18 @@ mod tests {
     /// Variance one and correlation exp(-1) one length apart, over a field of 4000 lengths.
     #[test]
     fn field_has_the_stated_variance_and_correlation() {
-        let field = Field::new(0.0, 4000.0, 1.0, Tails::Normal, &mut stream(5, 0));
+        for grain in [Grain::Rough, Grain::Smooth] {
+            has_them(&Field::new(
+                0.0,
+                4000.0,
+                1.0,
+                (grain, Tails::Normal),
+                &mut stream(5, 0),
+            ));
+        }
+    }
+
+    fn has_them(field: &Field) {
         let n = 39_000;
         let (mut variance, mut product) = (0.0, 0.0);
         for i in 0..n {

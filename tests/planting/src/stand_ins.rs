@@ -10,7 +10,7 @@ use crate::motion::Motion;
 use crate::package::{Label, files};
 use crate::plan::{Axis, Noise, Plan, RunPlan};
 use crate::published::Published;
-use crate::roughness::Tails;
+use crate::roughness::{Grain, Tails};
 use serde::Deserialize;
 use std::path::Path;
 
@@ -174,6 +174,7 @@ impl Recipe {
                 * self.choices.noise.sensor_full_scale_n,
             scatter: self.choices.noise.scatter_percent / 100.0,
             tails: Tails::Normal,
+            grain: Grain::Rough,
         })
     }
 

@@ -122,6 +122,7 @@ pub fn trials(season: Season) -> Vec<Trial> {
     singles(&mut builder);
     several(&mut builder);
     strangers(&mut builder);
+    smooth_plates(&mut builder);
     let mut trials = builder.trials;
     // Fisher-Yates with a fixed stream: every beginning of the list is a fair sample of the whole.
     let mut generator = stream(season.first_seed(), 77);
@@ -254,6 +255,18 @@ fn strangers(builder: &mut Builder) {
                 5.0,
                 Some(cause),
             );
+        }
+    }
+}
+
+/// Nothing on plates whose roughness has no corners, which no noise model here describes exactly.
+fn smooth_plates(builder: &mut Builder) {
+    for replicate in 0..28 {
+        for protocol in Protocol::ALL {
+            if protocol.is_brush() {
+                let case = Case::nothing(protocol, NoiseKind::SmoothRoughness, replicate);
+                builder.add(Group::Nothing, case, 0.0, None);
+            }
         }
     }
 }

@@ -26,9 +26,9 @@ mod plate;
 mod restricted;
 mod ring;
 mod rotations;
+mod roughness;
 mod scatter;
 mod search;
-mod roughness;
 #[cfg(test)]
 mod tests;
 mod vectors;
