@@ -395,6 +395,7 @@ impl<'a> Bench<'a> {
                 repeats: self.repeats,
                 start,
                 uncertainty: false,
+                smooth: true,
             },
         )
     }

@@ -302,6 +302,7 @@ pub(crate) fn noise_options(campaign: &Campaign) -> EstimateOptions {
         repeats: campaign.conditions().iter().any(|c| c.len() > 1),
         start: None,
         uncertainty: false,
+        smooth: false,
     }
 }
 

@@ -23,6 +23,9 @@ pub struct EstimateOptions {
     pub start: Option<Sizes>,
     /// Whether the standard deviations of the sizes are wanted (they cost some thirty evaluations).
     pub uncertainty: bool,
+    /// Whether the roughness may be smoother than exponential. Where nothing else is asked what a law leaves, such roughness also
+    /// swallows structure that the law misses.
+    pub smooth: bool,
 }
 
 /// The sizes of a campaign's noise, and how well they are known.
@@ -90,7 +93,7 @@ pub fn estimate(
     let mut evaluations = frame.starts;
     let mut minimum = frame.search(&criterion, start, &mut evaluations);
     // What rows are the means of is known of exponential roughness only.
-    if minimum.point.len() == SMOOTHING && context.rows.is_empty() {
+    if options.smooth && minimum.point.len() == SMOOTHING && context.rows.is_empty() {
         let thorough = options.start.is_none();
         minimum = frame.smoother(&criterion, minimum, thorough, &mut evaluations);
     }

@@ -213,6 +213,7 @@ fn smooth_roughness_is_told_from_exponential_roughness() {
     let mean = DMatrix::from_column_slice(context.samples(), 1, &context.scale);
     let options = EstimateOptions {
         repeats: true,
+        smooth: true,
         ..EstimateOptions::default()
     };
     let estimates = |sizes: &Sizes| -> Vec<Sizes> {
