@@ -260,6 +260,8 @@ impl Frame {
 
     /// Roughness that is smoother than exponential, where that is likelier than `plain`. Unless the search is thorough a smoothing
     /// counts only if it is seen at once.
+    ///
+    /// Shorter lengths have finer grids, and a finer grid alone is likelier: both sides are always compared on the same one.
     fn smoother(
         &self,
         criterion: &Criterion<'_>,
@@ -267,6 +269,7 @@ impl Frame {
         thorough: bool,
         evaluations: &mut usize,
     ) -> search::Minimum {
+        let on_grid = |point: &[f64], spacing| criterion.value(&self.sizes(point), spacing);
         let likelier = PROBES
             .iter()
             .map(|&(smoothing, share)| {
@@ -274,21 +277,30 @@ impl Frame {
                 let mut point = plain.point.clone();
                 point[LENGTH] += (share / (1.0 + smoothing)).ln();
                 point.push(smoothing.ln());
-                let sizes = self.sizes(&point);
-                (criterion.value(&sizes, sizes.node_spacing()), point)
+                let spacing = self.sizes(&point).node_spacing();
+                (
+                    on_grid(&point, spacing) - on_grid(&plain.point, spacing),
+                    point,
+                )
             })
             .min_by(|a, b| a.0.total_cmp(&b.0))
-            .filter(|(value, _)| thorough || *value < plain.value);
-        *evaluations += PROBES.len();
+            .filter(|(beyond, _)| thorough || *beyond < 0.0);
+        *evaluations += 2 * PROBES.len();
         let Some((_, point)) = likelier else {
             return plain;
         };
         let found = self.search(criterion, point, evaluations);
-        if found.value < plain.value - WORTH_SMOOTHING {
-            found
-        } else {
-            plain
+        let spacing = self.sizes(&found.point).node_spacing();
+        let saves = |plain: f64| on_grid(&found.point, spacing) < plain - WORTH_SMOOTHING;
+        *evaluations += 2;
+        if !saves(on_grid(&plain.point, spacing)) {
+            return plain;
         }
+        // Exponential roughness may have other sizes on this grid.
+        let (bounds, f) = (&self.bounds[..SMOOTHING], |x: &[f64]| on_grid(x, spacing));
+        let as_fine = search::minimise(&f, &plain.point, bounds, 25);
+        *evaluations += as_fine.evaluations;
+        if saves(as_fine.value) { found } else { plain }
     }
 
     /// The former sizes, or the best of a coarse grid over length and share of the sensor noise.
