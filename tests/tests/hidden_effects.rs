@@ -31,11 +31,20 @@ fn trial(group: Group, case: Case, ratio: f64, without: Option<&str>) -> Trial {
 
 /// Carries trials out and returns a line for each whose verdict is not among the accepted ones.
 fn complaints(trials: &[Trial], accepted: &[Verdict]) -> Vec<String> {
+    verdicts(trials)
+        .into_iter()
+        .filter(|(verdict, _)| verdict.is_none_or(|v| !accepted.contains(&v)))
+        .map(|(_, line)| line)
+        .collect()
+}
+
+/// Carries trials out; the verdict (none: the law absorbs what was planted) and a line for each.
+fn verdicts(trials: &[Trial]) -> Vec<(Option<Verdict>, String)> {
     let _guard = ONE_AT_A_TIME
         .lock()
         .unwrap_or_else(std::sync::PoisonError::into_inner);
     let mut workshop = Workshop::default();
-    let mut complaints = Vec::new();
+    let mut verdicts = Vec::new();
     for trial in trials {
         let what: Vec<&str> = trial
             .case
@@ -47,10 +56,11 @@ fn complaints(trials: &[Trial], accepted: &[Verdict]) -> Vec<String> {
             .carry_out(trial, true)
             .expect("the package is a campaign");
         let Some(judgement) = judged.judgement else {
-            complaints.push(format!(
+            let line = format!(
                 "{what:?}: the law absorbs it on {}",
                 trial.case.protocol.id()
-            ));
+            );
+            verdicts.push((None, line));
             continue;
         };
         let line = format!(
@@ -62,11 +72,9 @@ fn complaints(trials: &[Trial], accepted: &[Verdict]) -> Vec<String> {
             judged.forced
         );
         println!("{line}");
-        if !accepted.contains(&judgement.verdict) {
-            complaints.push(line);
-        }
+        verdicts.push((Some(judgement.verdict), line));
     }
-    complaints
+    verdicts
 }
 
 fn assert_none(complaints: &[String]) {
@@ -129,7 +137,7 @@ fn ties_of_the_papers_protocol_are_answered_by_the_set() {
     assert_none(&complaints(&trials, &[Verdict::Right]));
 }
 
-/// Nothing planted: nothing named, nothing unexplained.
+/// Nothing planted: nothing named, and nothing unexplained but by chance.
 #[test]
 fn nothing_is_found_where_nothing_is() {
     let trials: Vec<Trial> = [
@@ -152,7 +160,13 @@ fn nothing_is_found_where_nothing_is() {
         )
     })
     .collect();
-    assert_none(&complaints(&trials, &[Verdict::Right]));
+    let verdicts = verdicts(&trials);
+    let count = |verdict| verdicts.iter().filter(|(v, _)| *v == Some(verdict)).count();
+    let (right, refused) = (count(Verdict::Right), count(Verdict::Refused));
+    assert_eq!(right + refused, trials.len(), "{verdicts:?}");
+    // The search for what has no name errs in four of a thousand campaigns: chance makes one of six unexplained in one draw of
+    // forty, two in one of four thousand.
+    assert!(refused <= 1, "{verdicts:?}");
 }
 
 /// What no cause of the catalogue makes is reported as unexplained, without a name. The list is what the diagnosis
