@@ -49,6 +49,7 @@ mod subset;
 mod tail;
 mod ties;
 mod uniform;
+mod valleys;
 mod weighed;
 mod whole;
 

@@ -21,6 +21,7 @@ use crate::stand::{Likelihood, Stand};
 use crate::steps::levelled;
 use crate::subset::Subset;
 use crate::uniform::evidence_of_blows;
+use crate::valleys::deepest;
 
 /// Family-wise probability of naming a cause where there is none: half of the campaign's one percent.
 pub(crate) const ALPHA_NAME: f64 = 0.004;
@@ -228,6 +229,10 @@ pub(crate) fn select(
         if step.log_p + evidence_of_blows(bench, &subset, &next, last) > threshold {
             break;
         }
+        let next = match (round, depth) {
+            (0, Depth::Full) => deepest(bench, &subset, next)?,
+            _ => next,
+        };
         explained += step.drop;
         entry.push(step.log_p);
         let (mut next, _) = looked_up(bench, &mut subset, next, depth)?;

@@ -1,0 +1,63 @@
+//! Other valleys of the law beside a named cause.
+//!
+//! The law alone bends its Stribeck curve or its stiffness to what a cause does, and the fit of both together begins there: it may
+//! end in a valley where the law does half of the cause's work and the cause is too small. Starts of the law that the record
+//! suggests, with the cause as it was found and under its noise, are a second way in.
+
+use rayon::prelude::*;
+
+use crate::bench::{Bench, Fitted};
+use crate::joint::is_dear;
+use crate::scan::Scan;
+use crate::selection::{likely_scatter, settle};
+use crate::stand::Stand;
+use crate::starts::ranked;
+use crate::subset::Subset;
+
+/// Starts of the law that are fitted: those nearest to the record.
+const TAKEN: usize = 6;
+/// Steps of each fit.
+const STEPS: u64 = 20;
+/// Deviance by which another valley must be deeper; fits end that near to a minimum.
+const DEEPER: f64 = 1.0;
+
+/// The stand, or one with the same causes whose law is likelier. (Causes with dear mechanics are fitted with the law afresh anyway,
+/// see [`crate::joint`]; a model from elsewhere leaves the law no other valley.)
+pub(crate) fn deepest(bench: &Bench<'_>, subset: &Subset, stand: Stand) -> Option<Stand> {
+    let fitted = &stand.fitted;
+    if bench.prior.is_some() || fitted.effects.iter().any(|&e| is_dear(bench, e)) {
+        return Some(stand);
+    }
+    let context = subset.context_of(bench, fitted);
+    let whitener = stand
+        .whitener
+        .with_scatter(&context, likely_scatter(&stand));
+    let starts = bench.law_starts(&fitted.model).into_iter().map(|law| {
+        let mut start = fitted.parameters.clone();
+        start[..law.len()].copy_from_slice(&law);
+        start
+    });
+    let mut starts = ranked(bench, subset, &whitener, &fitted.model, starts.collect());
+    starts.truncate(TAKEN);
+    let fits: Vec<Option<(f64, Fitted)>> = starts
+        .par_iter()
+        .map(|(_, start)| {
+            let fit = bench.fit(subset, &fitted.effects, start, &whitener, None, STEPS)?;
+            Some((stand.deviance_of(bench, subset, &fit), fit))
+        })
+        .collect();
+    let best = fits
+        .into_iter()
+        .flatten()
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .filter(|(deviance, _)| *deviance < stand.deviance - DEEPER);
+    let Some((_, fit)) = best else {
+        return Some(stand);
+    };
+    let other = settle(bench, subset, &fit, &Scan::empty(bench, Some(stand.sizes)))?;
+    Some(if other.deviance < stand.deviance {
+        other
+    } else {
+        stand
+    })
+}
