@@ -18,6 +18,7 @@ use crate::selection::{Warm, settle};
 use crate::stand::Stand;
 use crate::starts::ranked;
 use crate::subset::Subset;
+use crate::valleys::deepest;
 
 /// Strength of the best candidate (in standard deviations) from which the law alone is not trusted: several times what
 /// is needed to be seen.
@@ -97,7 +98,13 @@ pub(crate) fn afresh(
         .filter_map(|(cause, fit)| {
             let limit = if is_dear(bench, *cause) { 20 } else { 60 };
             let fit = search.fit(*cause, &fit.parameters, limit)?;
-            Some((*cause, settle(bench, subset, &fit, &blank)?))
+            let settled = settle(bench, subset, &fit, &blank)?;
+            let first = warm.is_none() && stand.fitted.effects.is_empty();
+            let settled = match first {
+                true => deepest(bench, subset, settled)?,
+                false => settled,
+            };
+            Some((*cause, settled))
         })
         .collect();
     let worth = likeliest(bench, subset, &stands);

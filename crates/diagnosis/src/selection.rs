@@ -222,6 +222,9 @@ pub(crate) fn select(
             singles = step.tried;
         }
         let next = match step.next {
+            Next::Fit(fit) if round == 0 && depth == Depth::Full => {
+                deepest(bench, &subset, settle(bench, &subset, &fit, found)?)?
+            }
             Next::Fit(fit) => settle(bench, &subset, &fit, found)?,
             Next::Settled(stand) => *stand,
         };
@@ -229,10 +232,6 @@ pub(crate) fn select(
         if step.log_p + evidence_of_blows(bench, &subset, &next, last) > threshold {
             break;
         }
-        let next = match (round, depth) {
-            (0, Depth::Full) => deepest(bench, &subset, next)?,
-            _ => next,
-        };
         explained += step.drop;
         entry.push(step.log_p);
         let (mut next, _) = looked_up(bench, &mut subset, next, depth)?;
