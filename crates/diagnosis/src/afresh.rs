@@ -22,7 +22,7 @@ use crate::valleys::deepest;
 
 /// Strength of the best candidate (in standard deviations) from which the law alone is not trusted: several times what
 /// is needed to be seen.
-const STRONG: f64 = 12.0;
+pub(crate) const STRONG: f64 = 12.0;
 /// Starts of the law that are tried with each cause, beside where the law stands.
 const LAW_STARTS: usize = 20;
 /// Sizes and shapes of each cause that are tried with each start of the law.
@@ -53,14 +53,6 @@ fn is_asked(place: usize, cause: usize, stand: &Stand, warm: Option<&Warm>) -> b
         Some(warm) => place < ASKED_IN_FOLD || warm.causes.iter().any(|(named, _)| *named == cause),
         None => stand.fitted.effects.is_empty() || place < ASKED_LATER,
     }
-}
-
-/// Whether what is seen beside a stand is so strong that its parameters cannot be trusted.
-pub(crate) fn is_strong(found: &Scan) -> bool {
-    found
-        .candidates
-        .first()
-        .is_some_and(|c| c.score.z() > STRONG)
 }
 
 /// The stand's model with each further cause, fitted from starts that owe nothing to the stand (inside a fold: from where

@@ -8,7 +8,7 @@
 
 use fitting::noise::Sizes;
 
-use crate::afresh::{afresh, is_strong};
+use crate::afresh::{STRONG, afresh};
 use crate::bench::{Bench, Fitted};
 use crate::general::Lack;
 use crate::joint::{is_dear, joint_fits, survivors};
@@ -20,6 +20,7 @@ use crate::scan::{Scan, scan, scan_without, smooth_beside};
 use crate::stand::{Likelihood, Stand};
 use crate::steps::levelled;
 use crate::subset::Subset;
+use crate::tail::log_chi2_tail;
 use crate::uniform::evidence_of_blows;
 use crate::valleys::deepest;
 
@@ -324,15 +325,22 @@ fn strong_step(
         return None;
     }
     let (cause, next) = stands.swap_remove(0);
+    // Beside a law that was bent to a cause, its tangent there may score nothing: what the fit saves under the noise that the law
+    // alone leaves is seen too.
+    let saved = stand.deviance - stand.deviance_of(bench, subset, &next.fitted);
+    let asked = bench.catalogue[cause].parameters().len();
     Some(Step {
         drop: next.deviance_of(bench, subset, &stand.fitted) - next.deviance,
         next: Next::Settled(Box::new(next)),
-        log_p: found.log_p_of(cause),
+        log_p: found
+            .log_p_of(cause)
+            .min(log_chi2_tail(saved.max(0.0), asked)),
         tried,
     })
 }
 
-/// The best further cause beside a stand.
+/// The best further cause beside a stand. Where causes are strong, in what they score or in what a fit saves (beside a law that was
+/// bent to them, and its noise, they may score little), the stand's parameters are not trusted.
 fn step(
     bench: &Bench<'_>,
     subset: &Subset,
@@ -342,15 +350,14 @@ fn step(
     depth: Depth,
     warm: Option<&Warm>,
 ) -> Option<Step> {
-    let strong = is_strong(found)
-        .then(|| strong_step(bench, subset, stand, found, warm))
-        .flatten();
     // A search under the noise of a healthy rig may lose what the stand's own noise shows plainly.
-    let promised = found
-        .candidates
-        .first()
-        .map_or(0.0, |c| c.score.z().powi(2));
-    if let Some(step) = strong.filter(|step| step.drop > KEPT * promised) {
+    let anew = |promised: f64| {
+        strong_step(bench, subset, stand, found, warm).filter(|step| step.drop > KEPT * promised)
+    };
+    let best = found.candidates.first().map_or(0.0, |c| c.score.z());
+    if best > STRONG
+        && let Some(step) = anew(best.powi(2))
+    {
         return Some(step);
     }
     let (most, starts) = match depth {
@@ -361,9 +368,16 @@ fn step(
     let known = warm.map_or(&[][..], |warm| &warm.causes);
     let fits = joint_fits(bench, subset, stand, &asked, starts, known);
     let (cause, fit, deviance) = fits.first().cloned()?;
+    let drop = stand.deviance - deviance;
+    if best <= STRONG
+        && drop > STRONG.powi(2)
+        && let Some(step) = anew(drop)
+    {
+        return Some(step);
+    }
     Some(Step {
         next: Next::Fit(Box::new(fit)),
-        drop: stand.deviance - deviance,
+        drop,
         log_p: found.log_p_of(cause),
         tried: fits
             .into_iter()
