@@ -9,7 +9,8 @@
 //! ```
 //!
 //! with an interval from the differences between runs (Student's t over runs), and a placebo: the fitted effect with
-//! its course along each run scrambled, fitted and judged in the same folds.
+//! its course along each run scrambled, fitted and judged in the same folds, by errors weighed by the noise (`weighed.rs`) where
+//! nothing is left unexplained.
 //!
 //! The noise in the squared errors is not the repeats' but what these runs happened to draw. Where that may move (D4) by more
 //! than a few hundredths, the share is that of errors weighed by the noise (`weighed.rs`); where they do not tell it either, none
@@ -168,10 +169,14 @@ pub(crate) fn judge(
     };
     let law = pool(&|f| &f.law);
     let extended = pool(&|f| &f.extended);
-    let searched = Errors::pool(bench, None, &done, &|f| &f.searched).total();
+    // Errors are weighed by the noise only where the record that was searched is the whole one.
+    let beside = |prediction: &dyn Fn(&Fold) -> &[f64]| {
+        Errors::pool(bench, weighed.as_ref(), &done, prediction).judged()
+    };
+    let searched = beside(&|f| &f.searched);
     let judged = Judged {
         placebo: (0..scrambled.len())
-            .map(|p| searched - Errors::pool(bench, None, &done, &|f| &f.placebos[p]).total())
+            .map(|p| searched - beside(&|f| &f.placebos[p]))
             .collect(),
         floor_rmse,
         beside_floor: beside_repeats(whole, selected, &done),
@@ -340,6 +345,15 @@ impl Errors {
         self.runs.iter().map(|r| r.0).sum()
     }
 
+    /// By what gains are compared: the errors weighed by the noise where that is known.
+    fn judged(&self) -> f64 {
+        if self.weighed.is_empty() {
+            self.total()
+        } else {
+            self.weighed.iter().sum()
+        }
+    }
+
     fn count(&self) -> f64 {
         self.runs.iter().map(|r| r.1).sum::<f64>().max(1.0)
     }
@@ -373,7 +387,7 @@ struct Judged<'a> {
 
 impl Judged<'_> {
     fn gain(&self, before: &Errors, after: &Errors) -> Gain {
-        let dropped = before.total() - after.total();
+        let dropped = before.judged() - after.judged();
         let share = self
             .share_above_floor(before, after)
             .or_else(|| self.share_weighed(before, after));

@@ -21,7 +21,7 @@ use crate::stand::{Likelihood, Stand};
 use crate::steps::levelled;
 use crate::subset::Subset;
 use crate::tail::log_chi2_tail;
-use crate::uniform::evidence_of_blows;
+use crate::uniform::share_without_blows;
 use crate::valleys::deepest;
 
 /// Family-wise probability of naming a cause where there is none: half of the campaign's one percent.
@@ -230,7 +230,7 @@ pub(crate) fn select(
             Next::Settled(stand) => *stand,
         };
         let last = next.fitted.effects.len() - 1;
-        if step.log_p + evidence_of_blows(bench, &subset, &next, last) > threshold {
+        if step.log_p * share_without_blows(bench, &subset, &next, last) > threshold {
             break;
         }
         explained += step.drop;

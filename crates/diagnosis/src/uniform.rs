@@ -46,10 +46,10 @@ pub(crate) fn is_uniform(bench: &Bench<'_>, subset: &Subset, stand: &Stand, k: u
     .all(|groups| is_even(&both, groups))
 }
 
-/// Evidence for the k-th effect that rests on blows: half of the deviance that it would no longer save if no sample lay
-/// further than [`BLOW`] standard deviations from the model with it. A single kick at the right moment looks like any cause that acts
-/// at such moments; a cause is seen in all of them.
-pub(crate) fn evidence_of_blows(
+/// Share of the evidence for the k-th effect that does not rest on blows: of the deviance that it saves what it would save if no
+/// sample lay further than [`BLOW`] standard deviations from the model with it, or what all samples but the most favourable one
+/// promise for all. A single kick at the right moment looks like any cause that acts at such moments; a cause is seen in all of them.
+pub(crate) fn share_without_blows(
     bench: &Bench<'_>,
     subset: &Subset,
     stand: &Stand,
@@ -59,14 +59,20 @@ pub(crate) fn evidence_of_blows(
     const BLOW: f64 = 4.0;
     let both = effect_and_residual(bench, subset, stand, k);
     let (effect, without) = (both.column(0), both.column(1));
+    let each = || effect.iter().zip(without.iter());
     let power = effect.norm_squared().max(f64::MIN_POSITIVE);
     let along = effect.dot(&without);
-    let calm: f64 = effect
-        .iter()
-        .zip(without.iter())
-        .map(|(d, y)| d * (d + (y - d).clamp(-BLOW, BLOW)))
-        .sum();
-    0.5 * (along.powi(2) - calm.max(0.0).powi(2)) / power
+    let amplitude = along / power;
+    let clipped = |(d, y): (&f64, &f64)| d * (d + (y - d).clamp(-BLOW, BLOW));
+    let calm = each().map(clipped).sum::<f64>() / power;
+    let without_one =
+        |(d, y): (&f64, &f64)| (along - d * y) / (power - d * d).max(f64::MIN_POSITIVE);
+    let least = each().map(without_one).fold(calm, f64::min).max(0.0);
+    if amplitude > least {
+        (least / amplitude).powi(2)
+    } else {
+        1.0
+    }
 }
 
 /// The k-th fitted effect d and the residual y without it (n x 2): whitened, cleared of all else that is fitted and of the scatter.
