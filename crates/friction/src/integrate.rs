@@ -23,6 +23,9 @@ const NEWTON_LIMIT: usize = 12;
 const NEWTON_TOLERANCE: f64 = 1e-8;
 /// A step is never cut below this share of its stretch.
 const SMALLEST: f64 = 1e-9;
+/// Steps that a run may take, in all and for each of its samples: some ten times what the fastest laws take. Beyond, an error bound
+/// below what rounding leaves cuts every step to its smallest.
+const STEPS: (usize, usize) = (10_000, 100);
 
 /// A recorded motion at its samples.
 #[derive(Clone, Copy, Debug)]
@@ -138,12 +141,15 @@ struct Integrator<'a, D> {
     step: f64,
     /// Level of the state: the size against which errors count.
     level: f64,
+    /// Steps that may still be tried.
+    left: usize,
 }
 
 /// State z at every sample of the record, from z = `initial` at the first one.
 ///
 /// # Errors
-/// [`IntegrationError::Diverged`] where parameters make the state leave the numbers.
+/// [`IntegrationError::Diverged`] where parameters make the state leave the numbers, [`IntegrationError::TooManySteps`] where the
+/// steps that the record's length allows do not reach its end.
 pub fn integrate<D: Scalar>(
     law: &Law<D>,
     record: &Record<'_, D>,
@@ -173,6 +179,7 @@ fn integrate_within<D: Scalar>(
         tolerance: tolerance * level,
         step: f64::INFINITY,
         level,
+        left: STEPS.0 + STEPS.1 * n,
     };
     states.push(initial);
     let mut z = initial;
@@ -304,6 +311,10 @@ impl<D: Scalar> Integrator<'_, D> {
     ) -> Result<(f64, [f64; 3], [[f64; 3]; 3], f64), IntegrationError> {
         let (_, slope) = self.real.rate_and_slope(node.z, &stretch.motion(t).drive);
         loop {
+            let Some(left) = self.left.checked_sub(1) else {
+                return Err(IntegrationError::TooManySteps { time_s: t0 + t });
+            };
+            self.left = left;
             let allowed = self.step.max(SMALLEST * span);
             let h = if t + allowed * 1.000_001 >= to {
                 to - t
