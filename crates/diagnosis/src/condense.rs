@@ -66,7 +66,7 @@ impl Condensed {
     }
 }
 
-/// Condenses a long record; `None` where it is not long. `samples` holds the forces that count, `masked` those that do not.
+/// Condenses a long record; `None` where it is not long, or where nothing moves on the average. `samples` holds the forces that count, `masked` those that do not.
 pub(crate) fn condense(
     campaign: &Campaign,
     samples: &Samples,
@@ -97,7 +97,8 @@ pub(crate) fn condense(
         }
         average(run, samples, range, &rows);
     }
-    Some(out)
+    let mut speeds = out.campaign.runs.iter().flat_map(|run| &run.velocity_m_s);
+    speeds.any(|v| *v != 0.0).then_some(out)
 }
 
 impl Bench<'_> {
@@ -401,5 +402,24 @@ mod tests {
             "{worst:e} against {:e}",
             short.tolerance
         );
+    }
+
+    /// A velocity that changes its sign with every sample has no mean that moves.
+    #[test]
+    fn a_record_that_stands_still_on_the_average_stays_as_it_is() {
+        let mut campaign = refined(10);
+        for run in &mut campaign.runs {
+            let last_pair = (run.velocity_m_s.len() - 2) / 2 * 2;
+            for (i, v) in run.velocity_m_s.iter_mut().enumerate() {
+                *v = match i {
+                    0 => 0.0,
+                    _ if i > last_pair => 0.0,
+                    _ if i % 2 == 1 => 0.02,
+                    _ => -0.02,
+                };
+            }
+        }
+        let (samples, short) = condensed(&campaign);
+        assert!(samples.len() > LONGEST && short.is_none());
     }
 }
