@@ -23,9 +23,10 @@ const NEWTON_LIMIT: usize = 12;
 const NEWTON_TOLERANCE: f64 = 1e-8;
 /// A step is never cut below this share of its stretch.
 const SMALLEST: f64 = 1e-9;
-/// Steps that a run may take, in all and for each of its samples: some ten times what the fastest laws take. Beyond, an error bound
-/// below what rounding leaves cuts every step to its smallest.
-const STEPS: (usize, usize) = (10_000, 100);
+/// Steps that a run may try, at hand and for each of its samples: far more than any answer takes that the record can show. Beyond, an
+/// error bound below what rounding leaves cuts every step to its smallest.
+const STEPS_AT_HAND: usize = 10_000;
+const STEPS_A_SAMPLE: usize = 100;
 
 /// A recorded motion at its samples.
 #[derive(Clone, Copy, Debug)]
@@ -179,7 +180,7 @@ fn integrate_within<D: Scalar>(
         tolerance: tolerance * level,
         step: f64::INFINITY,
         level,
-        left: STEPS.0 + STEPS.1 * n,
+        left: STEPS_AT_HAND + STEPS_A_SAMPLE * n,
     };
     states.push(initial);
     let mut z = initial;
@@ -483,5 +484,28 @@ mod tests {
                 .fold(0.0, f64::max);
             assert!(change > 0.0 && change < 1e-7, "{change:e}");
         }
+    }
+
+    /// A state far above its level: what rounding leaves of it is beyond the bound on the error, whatever the step.
+    #[test]
+    fn a_bound_below_rounding_ends_in_an_error() {
+        let time: Vec<f64> = (0..200).map(|i| f64::from(i) / 100.0).collect();
+        let velocity: Vec<f64> = time.iter().map(|t| 0.1 * (7.0 * t).sin()).collect();
+        let knots: Vec<usize> = (0..time.len()).collect();
+        let record = Record {
+            time_s: &time,
+            velocity: &velocity,
+            curve_speed: None,
+            rest_gain: None,
+            knots: &knots,
+        };
+        let law = LawKind::Lugre
+            .build(&[1e-14, 1.1e-14, 0.01, 1e-3, 0.0, 0.0], None)
+            .expect("complete");
+        let ended = integrate(&law, &record, 1.0);
+        assert!(
+            matches!(ended, Err(IntegrationError::TooManySteps { .. })),
+            "{ended:?}"
+        );
     }
 }
