@@ -47,7 +47,7 @@ pub(crate) fn is_uniform(bench: &Bench<'_>, subset: &Subset, stand: &Stand, k: u
 }
 
 /// Share of the evidence for the k-th effect that does not rest on blows: of the deviance that it saves what it would save if no
-/// sample lay further than [`BLOW`] standard deviations from the model with it, or what all samples but the most favourable one
+/// sample lay further than four standard deviations from the model with it, or what all samples but the most favourable one
 /// promise for all. A single kick at the right moment looks like any cause that acts at such moments; a cause is seen in all of them.
 pub(crate) fn share_without_blows(
     bench: &Bench<'_>,
@@ -55,13 +55,20 @@ pub(crate) fn share_without_blows(
     stand: &Stand,
     k: usize,
 ) -> f64 {
+    let both = effect_and_residual(bench, subset, stand, k);
+    calm_share(both.column(0).as_slice(), both.column(1).as_slice())
+}
+
+/// [`share_without_blows`] of an effect d and a residual y without it, both white.
+fn calm_share(effect: &[f64], without: &[f64]) -> f64 {
     /// Standard deviations.
     const BLOW: f64 = 4.0;
-    let both = effect_and_residual(bench, subset, stand, k);
-    let (effect, without) = (both.column(0), both.column(1));
-    let each = || effect.iter().zip(without.iter());
-    let power = effect.norm_squared().max(f64::MIN_POSITIVE);
-    let along = effect.dot(&without);
+    let each = || effect.iter().zip(without);
+    let power = each()
+        .map(|(d, _)| d * d)
+        .sum::<f64>()
+        .max(f64::MIN_POSITIVE);
+    let along: f64 = each().map(|(d, y)| d * y).sum();
     let amplitude = along / power;
     let clipped = |(d, y): (&f64, &f64)| d * (d + (y - d).clamp(-BLOW, BLOW));
     let calm = each().map(clipped).sum::<f64>() / power;
@@ -125,4 +132,38 @@ fn is_even(both: &DMatrix<f64>, groups: &[usize]) -> bool {
         freedom += 1;
     }
     freedom < 2 || uneven < UNEVEN * whole || log_chi2_tail(uneven, freedom - 1) > ALPHA.ln()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EFFECT: [f64; 8] = [0.5, -1.0, 0.5, 2.0, -2.0, 1.0, 0.3, -0.7];
+
+    #[test]
+    fn an_effect_that_all_samples_show_keeps_its_evidence() {
+        assert!((calm_share(&EFFECT, &EFFECT) - 1.0).abs() < 1e-12);
+    }
+
+    /// d'y is all from one sample: without it there is nothing.
+    #[test]
+    fn one_kick_at_the_right_moment_is_no_evidence() {
+        let mut kick = [0.0; 8];
+        kick[3] = 6.0;
+        assert_eq!(calm_share(&EFFECT, &kick), 0.0);
+        kick[3] = 3.0;
+        assert_eq!(calm_share(&EFFECT, &kick), 0.0);
+    }
+
+    /// A kick of 9 beside an effect of 2 counts as one of 4 beyond it.
+    #[test]
+    fn a_kick_beside_an_effect_counts_as_far_as_tails_go() {
+        let mut kicked = EFFECT;
+        kicked[4] -= 7.0;
+        let power: f64 = EFFECT.iter().map(|d| d * d).sum();
+        let (whole, clipped) = (1.0 + 14.0 / power, 1.0 + 8.0 / power);
+        let least = clipped.min(1.0);
+        let share = calm_share(&EFFECT, &kicked);
+        assert!((share - (least / whole).powi(2)).abs() < 1e-12, "{share}");
+    }
 }
