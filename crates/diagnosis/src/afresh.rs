@@ -16,7 +16,7 @@ use crate::joint::{is_dear, search_price};
 use crate::scan::{Scan, extended};
 use crate::selection::{Warm, settle};
 use crate::stand::Stand;
-use crate::starts::ranked;
+use crate::starts::{ranked, with_laws};
 use crate::subset::Subset;
 use crate::valleys::deepest;
 
@@ -90,12 +90,10 @@ pub(crate) fn afresh(
         .filter_map(|(cause, fit)| {
             let limit = if is_dear(bench, *cause) { 20 } else { 60 };
             let fit = search.fit(*cause, &fit.parameters, limit)?;
-            let settled = settle(bench, subset, &fit, &blank)?;
-            let first = warm.is_none() && stand.fitted.effects.is_empty();
-            let settled = match first {
-                true => deepest(bench, subset, settled)?,
-                false => settled,
-            };
+            let mut settled = settle(bench, subset, &fit, &blank)?;
+            if warm.is_none() && stand.fitted.effects.is_empty() {
+                settled = deepest(bench, subset, settled)?;
+            }
             Some((*cause, settled))
         })
         .collect();
@@ -211,13 +209,10 @@ impl Search<'_> {
     fn law_starts(&self, suggested: Vec<Vec<f64>>) -> Vec<Fitted> {
         let (bench, stand) = (self.bench, self.stand);
         let model = &stand.fitted.model;
-        let count = model.law_parameters();
         let measured = self.subset.gather(&bench.experiment.measured_n);
-        let mut starts: Vec<Fitted> = suggested
+        let mut starts: Vec<Fitted> = with_laws(&stand.fitted.parameters, suggested)
             .into_iter()
-            .filter_map(|law| {
-                let mut parameters = stand.fitted.parameters.clone();
-                parameters[..count].copy_from_slice(&law[..count]);
+            .filter_map(|parameters| {
                 let prediction = model.predict(&bench.experiment, &parameters);
                 let residual = self.subset.gather(&prediction) - &measured;
                 let cost = 0.5 * self.whitener.whiten(&residual).norm_squared();

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::bench::{Bench, Fitted};
 use crate::scan::{Candidate, Scan, extended};
 use crate::stand::Stand;
-use crate::starts::ranked;
+use crate::starts::{ranked, with_laws};
 use crate::subset::Subset;
 
 /// Samples, repeats counted once, up to which a mass on a cord is fitted from several starts.
@@ -139,12 +139,7 @@ fn starts_afresh(
     let Some((model, at)) = extended(bench, &stand.fitted, candidate.cause, own) else {
         return Vec::new();
     };
-    let starts = bench.law_starts(&model).into_iter().map(|law| {
-        let mut start = at.clone();
-        start[..law.len()].copy_from_slice(&law);
-        start
-    });
-    let starts = starts.collect();
+    let starts = with_laws(&at, bench.law_starts(&model));
     nearest(
         bench,
         subset,

@@ -8,6 +8,16 @@ use rig::Model;
 use crate::bench::Bench;
 use crate::subset::Subset;
 
+/// Parameters of a model with its law at each of these starts and the rest as it is.
+pub(crate) fn with_laws(whole: &[f64], laws: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    let with_law = |law: Vec<f64>| {
+        let mut parameters = whole.to_vec();
+        parameters[..law.len()].copy_from_slice(&law);
+        parameters
+    };
+    laws.into_iter().map(with_law).collect()
+}
+
 /// Starts of a model with their cost |W (predicted - measured)|^2, the nearest first; those without a finite prediction are left
 /// out. Columns are whitened side by side, which is cheaper than one by one.
 pub(crate) fn ranked(

@@ -11,7 +11,7 @@ use crate::joint::is_dear;
 use crate::scan::Scan;
 use crate::selection::{likely_scatter, settle};
 use crate::stand::Stand;
-use crate::starts::ranked;
+use crate::starts::{ranked, with_laws};
 use crate::subset::Subset;
 
 /// Starts of the law that are fitted: those nearest to the record.
@@ -32,12 +32,8 @@ pub(crate) fn deepest(bench: &Bench<'_>, subset: &Subset, stand: Stand) -> Optio
     let whitener = stand
         .whitener
         .with_scatter(&context, likely_scatter(&stand));
-    let starts = bench.law_starts(&fitted.model).into_iter().map(|law| {
-        let mut start = fitted.parameters.clone();
-        start[..law.len()].copy_from_slice(&law);
-        start
-    });
-    let mut starts = ranked(bench, subset, &whitener, &fitted.model, starts.collect());
+    let starts = with_laws(&fitted.parameters, bench.law_starts(&fitted.model));
+    let mut starts = ranked(bench, subset, &whitener, &fitted.model, starts);
     starts.truncate(TAKEN);
     let fits: Vec<Option<(f64, Fitted)>> = starts
         .par_iter()
