@@ -291,7 +291,8 @@ impl Frame {
         };
         let found = self.search(criterion, point, evaluations);
         let spacing = self.sizes(&found.point).node_spacing();
-        let saves = |plain: f64| on_grid(&found.point, spacing) < plain - WORTH_SMOOTHING;
+        let own = on_grid(&found.point, spacing);
+        let saves = |plain: f64| own < plain - WORTH_SMOOTHING;
         *evaluations += 2;
         if !saves(on_grid(&plain.point, spacing)) {
             return plain;
