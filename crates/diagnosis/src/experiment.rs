@@ -3,8 +3,10 @@
 //! Candidate runs are simulated with both models; the distance of their predictions, in the noise's units, says what a
 //! run would tell. The cheapest that separates is proposed, else the one that tells clearly more than all cheaper ones.
 
+use std::sync::Arc;
+
 use campaign::{Campaign, Direction, InitialState, Protocol, Run};
-use fitting::noise::{Context, Lag, Sizes, Whitener};
+use fitting::noise::{Context, Sizes, Whitener};
 use nalgebra::DVector;
 use rig::{Experiment, Model};
 
@@ -110,8 +112,7 @@ fn distance(
         sliding: Vec::new(),
         place: Vec::new(),
         scale: friction,
-        ring: Vec::new(),
-        lag: Lag::default(),
+        channel: Arc::default(),
         rows: Vec::new(),
     };
     for run in &experiment.runs[bench.samples.runs.len()..] {

@@ -1,8 +1,9 @@
 //! The runs that are looked at, and what the noise must know of them.
 
 use std::ops::Range;
+use std::sync::Arc;
 
-use fitting::noise::{Context, Lag, Ring};
+use fitting::noise::{Channel, Context, Lag, Ring, Spring};
 use nalgebra::{DMatrix, DVector};
 
 use crate::bench::{Bench, Fitted};
@@ -113,8 +114,10 @@ impl Subset {
             sliding: pick(&bench.samples.sliding),
             place: self.rows.iter().zip(&steps_s).map(seen).collect(),
             scale: self.gather(scale).as_slice().to_vec(),
-            ring: Vec::new(),
-            lag: Lag::new(steps_s.into_iter(), self.late.lag_s),
+            channel: Arc::new(Channel {
+                lag: Lag::new(steps_s.into_iter(), self.late.lag_s),
+                rings: Vec::new(),
+            }),
             rows: bench.samples.averaged_at(&self.rows),
         }
     }
@@ -138,27 +141,17 @@ impl Subset {
         if self.weight.is_some() {
             return context;
         }
-        context.ring = self
-            .runs
-            .iter()
-            .map(|&k| {
-                let held = fitted
-                    .model
-                    .coupling(&bench.experiment, k, &fitted.parameters);
-                let slope = fitted
-                    .model
-                    .steady_slope(&bench.experiment, k, &fitted.parameters);
-                let run = &bench.experiment.runs[k];
-                let span = run.time_s.last()? - run.time_s.first()?;
-                let step = span / (run.len() - 1).max(1) as f64;
-                Ring::new(
-                    held.mass,
-                    held.compliance,
-                    held.damping + slope.max(0.0),
-                    step,
-                )
-            })
-            .collect();
+        let mut rings = Vec::new();
+        for (&k, run) in self.runs.iter().zip(&self.ranges) {
+            let Some(ring) = ring_of(bench, fitted, k) else {
+                continue;
+            };
+            for i in run.clone() {
+                context.place[i] -= ring.left_s() * bench.samples.velocity[self.rows[i]];
+            }
+            rings.push((run.clone(), ring));
+        }
+        Arc::make_mut(&mut context.channel).rings = rings;
         context
     }
 
@@ -169,4 +162,20 @@ impl Subset {
         }
         bench.samples.select(&self.ranges, &self.rows)
     }
+}
+
+/// The resonance of a run's specimen on its cord beside a fit.
+fn ring_of(bench: &Bench<'_>, fitted: &Fitted, k: usize) -> Option<Ring> {
+    let (experiment, parameters) = (&bench.experiment, &fitted.parameters);
+    let held = fitted.model.coupling(experiment, k, parameters);
+    let friction_n_s_m = fitted.model.contact_damping(experiment, k, parameters);
+    let run = &experiment.runs[k];
+    let span = run.time_s.last()? - run.time_s.first()?;
+    let spring = Spring {
+        mass_kg: held.mass,
+        compliance_m_n: held.compliance,
+        damping_n_s_m: held.damping,
+        friction_n_s_m,
+    };
+    Ring::new(&spring, span / (run.len() - 1).max(1) as f64)
 }

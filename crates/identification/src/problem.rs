@@ -1,7 +1,9 @@
 //! The least-squares problem of a campaign: predicted less recorded force, whitened.
 
+use std::sync::Arc;
+
 use fitting::Residuals;
-use fitting::noise::{Context, Lag, Whitener};
+use fitting::noise::{Context, Whitener};
 use nalgebra::{DMatrix, DVector};
 use rig::{Experiment, Model};
 
@@ -91,8 +93,7 @@ pub(crate) fn noise_context(experiment: &Experiment, predicted: &[f64]) -> Conte
         sliding: stacked(|run| &run.distance_m),
         place: stacked(|run| &run.position_m),
         scale,
-        ring: Vec::new(),
-        lag: Lag::default(),
+        channel: Arc::default(),
         rows: Vec::new(),
     }
 }

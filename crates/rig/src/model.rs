@@ -6,7 +6,7 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use friction::{CosinePlacement, Exponent, Law, LawError, LawKind, ParameterSpec, Scalar};
+use friction::{CosinePlacement, Drive, Exponent, Law, LawError, LawKind, ParameterSpec, Scalar};
 use nalgebra::DMatrix;
 
 use crate::chain::Pass;
@@ -304,20 +304,19 @@ impl Model {
         coupling
     }
 
-    /// Slope of the steady friction force over the slip speed at a run's mean speed, N s/m (rotary N m s/rad): what
-    /// friction adds to the damping of a specimen that swings while it slides.
-    pub fn steady_slope(&self, experiment: &Experiment, run: usize, parameters: &[f64]) -> f64 {
+    /// Slope of the friction force over the slip speed, the law's state held, at a run's mean speed, N s/m (rotary N m s/rad): what
+    /// friction adds to the damping of a specimen that swings while it slides, faster than bristles bend.
+    pub fn contact_damping(&self, experiment: &Experiment, run: usize, parameters: &[f64]) -> f64 {
         let law: Law<f64> = self.law_with(parameters);
         let run = &experiment.runs[run];
         let mean = |x: &[f64]| x.iter().map(|v| v.abs()).sum::<f64>() / x.len().max(1) as f64;
         let sum = run.velocity_m_s.iter().sum::<f64>();
         let speed = mean(&run.velocity_m_s).copysign(sum);
-        let (low, high) = (0.99 * speed, 1.01 * speed);
         if speed == 0.0 {
             return 0.0;
         }
-        let rise = law.steady_coefficient(high) - law.steady_coefficient(low);
-        mean(&run.load_n) * rise / (high - low)
+        let at = law.evaluate(law.steady_state(speed), &Drive::at(speed));
+        mean(&run.load_n) * at.coefficient_v
     }
 
     /// The law with these parameters (of the whole vector).

@@ -13,6 +13,8 @@
 //! the normal deviate with the tail probability of Student's t with the degrees of freedom that the runs leave.
 //! A size has ratio 1 where the total reaches the distance that a test at 1 % over 27 causes finds in 90 % of cases.
 
+use std::sync::Arc;
+
 use nalgebra::{DMatrix, DVector};
 use planting::effect::Effect;
 use planting::machine::{Recording, Rig, run_day};
@@ -22,7 +24,7 @@ use planting::species::CAUSES;
 use planting::{Case, NoiseKind, Planted};
 use statrs::distribution::{Continuous, ContinuousCDF, Normal, StudentsT};
 
-use fitting::noise::{Context, Lag, Sizes, Whitener};
+use fitting::noise::{Context, Sizes, Whitener};
 
 /// Distance at which the test that knows the cause has 90 % power at 1 % over 27 causes.
 pub const THRESHOLD: f64 = 4.8;
@@ -497,8 +499,7 @@ fn context(plan: &Plan, recordings: &[Recording]) -> Context {
         runs.push(first..sliding.len());
     }
     Context {
-        ring: vec![None; runs.len()],
-        lag: Lag::default(),
+        channel: Arc::default(),
         rows: Vec::new(),
         runs,
         sliding,

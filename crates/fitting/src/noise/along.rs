@@ -11,13 +11,13 @@
 //! whitened = e_i / sqrt(S_i)
 //! ```
 //!
-//! Behind a filter of the channel (N6) the white noise is b e_i + h e_{i-1}: e is a third state, of which nothing but the last
-//! sample's innovation tells.
+//! Behind a filter or a resonance the white noise is coloured (N8): its recursion's states s join, and r_i = f_i (u + w) + s_1 + c_0 e_i.
 //!
 //! Smooth roughness (N7) has its driver v as a further state, which is not observed.
 //!
 //! The coefficients do not depend on the data: they are kept, and a column costs ten operations a sample.
 
+use super::channel::{Colour, MOST_STATES};
 use super::context::{Context, Sizes};
 use super::roughness::{Roughness, Step};
 use super::vectors::wide;
@@ -34,8 +34,10 @@ pub(super) struct Along {
     pub(super) gain: Vec<[f64; 2]>,
     /// The driver of smooth roughness; empty where it is exponential.
     driver: Vec<Driver>,
-    /// Gain of the white noise and h; empty where there is no filter.
-    pub(super) white: Vec<[f64; 2]>,
+    /// States of the coloured noise.
+    pub(super) states: usize,
+    /// The coloured noise; empty where it is white.
+    coloured: Vec<Coloured>,
     pub(super) inverse_sd: Vec<f64>,
     /// log det of the covariance of private roughness, unresolved field and white noise.
     pub(super) log_det: f64,
@@ -51,21 +53,81 @@ pub(super) struct Driver {
     pub(super) gain: f64,
 }
 
-/// Covariance of the states: u, its driver v, the field between the nodes w, the last white noise e.
-struct Covariance {
+/// What the coloured noise does at a sample.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Coloured {
+    pub(super) colour: Colour,
+    /// Gain of e.
+    gain: f64,
+    /// Gains of the recursion's states.
+    gains: [f64; MOST_STATES],
+}
+
+impl Coloured {
+    /// The estimated states and e one sample on.
+    #[inline(always)]
+    pub(super) fn advance<const N: usize>(&self, states: &mut [f64; N], e: f64) {
+        let first = states.first().copied().unwrap_or_default();
+        for j in 0..N {
+            let next = states.get(j + 1).copied().unwrap_or_default();
+            states[j] =
+                self.colour.keep * next - self.colour.back[j] * first + self.colour.feed[j] * e;
+        }
+    }
+
+    /// The estimated states and e after an innovation.
+    #[inline(always)]
+    pub(super) fn update<const N: usize>(&self, states: &mut [f64; N], innovation: f64) -> f64 {
+        for (s, gain) in states.iter_mut().zip(&self.gains) {
+            *s += gain * innovation;
+        }
+        self.gain * innovation
+    }
+
+    /// Adjoints of the states and of e before the innovation, from those after the advance that follows.
+    fn advance_adjoint<const N: usize>(&self, states: &mut [f64; N]) -> f64 {
+        let after = *states;
+        let sum = |of: &[f64]| after.iter().zip(of).map(|(s, x)| s * x).sum::<f64>();
+        for j in 1..N {
+            states[j] = self.colour.keep * after[j - 1];
+        }
+        if let Some(first) = states.first_mut() {
+            *first = -sum(&self.colour.back);
+        }
+        sum(&self.colour.feed)
+    }
+}
+
+/// Covariance of the states: u, its driver v, the field between the nodes w, those of the coloured noise s and the last e.
+#[derive(Clone)]
+struct Covariance<const N: usize> {
     uu: f64,
     uv: f64,
     vv: f64,
     uw: f64,
     vw: f64,
     ww: f64,
+    us: [f64; N],
+    vs: [f64; N],
+    ws: [f64; N],
+    ss: [[f64; N]; N],
+    /// Of e with u, v, w, the states s and itself.
+    eu: f64,
+    ev: f64,
+    ew: f64,
+    es: [f64; N],
     ee: f64,
-    ue: f64,
-    ve: f64,
-    we: f64,
 }
 
-impl Covariance {
+/// What a sample tells: its variance and the gains of u, v, w, e and s.
+struct Told<const N: usize> {
+    variance: f64,
+    roughness: [f64; 3],
+    e: f64,
+    states: [f64; N],
+}
+
+impl<const N: usize> Covariance<N> {
     /// At the first sample of a run.
     fn stationary(private: f64, between: f64, roughness: Roughness) -> Self {
         Self {
@@ -75,10 +137,15 @@ impl Covariance {
             uw: 0.0,
             vw: 0.0,
             ww: between,
+            us: [0.0; N],
+            vs: [0.0; N],
+            ws: [0.0; N],
+            ss: [[0.0; N]; N],
+            eu: 0.0,
+            ev: 0.0,
+            ew: 0.0,
+            es: [0.0; N],
             ee: 0.0,
-            ue: 0.0,
-            ve: 0.0,
-            we: 0.0,
         }
     }
 
@@ -95,8 +162,10 @@ impl Covariance {
         self.vv = stationary.vv - slow * slow * vv;
         self.uw = w * (fast * self.uw + feed * self.vw);
         self.vw *= slow * w;
-        self.ue = fast * self.ue + feed * self.ve;
-        self.ve *= slow;
+        for (us, vs) in self.us.iter_mut().zip(&mut self.vs) {
+            *us = fast * *us + feed * *vs;
+            *vs *= slow;
+        }
         self.advance_field(stationary.ww, w);
     }
 
@@ -104,56 +173,112 @@ impl Covariance {
     fn advance_exponential(&mut self, stationary: &Self, u: f64, w: f64) {
         self.uu = u * u * self.uu + stationary.uu * (1.0 - u * u);
         self.uw *= u * w;
-        self.ue *= u;
+        self.us.iter_mut().for_each(|us| *us *= u);
         self.advance_field(stationary.ww, w);
     }
 
     fn advance_field(&mut self, stationary: f64, w: f64) {
         self.ww = w * w * self.ww + stationary * (1.0 - w * w);
-        self.we *= w;
+        self.ws.iter_mut().for_each(|ws| *ws *= w);
     }
 
-    /// What a sample f (u + w) + b e + h e_before tells: its variance and the gains of u, v, w and e.
-    fn observe(&mut self, f: f64, (b, h): (f64, f64), white: f64) -> (f64, [f64; 4]) {
-        let of_white = b * b * white + h * h * self.ee + 2.0 * f * h * (self.ue + self.we);
-        let total = f * f * (self.uu + 2.0 * self.uw + self.ww) + of_white;
+    /// The coloured noise one sample on, s = M s + feed e; before u, v and w move.
+    fn advance_noise(&mut self, colour: &Colour) {
+        // covariances with the states after, from those with the states and with e before
+        let after = |with: &[f64; N], with_e: f64| -> [f64; N] {
+            std::array::from_fn(|j| {
+                let next = with.get(j + 1).copied().unwrap_or_default();
+                next - colour.back[j] * with[0] + colour.feed[j] * with_e
+            })
+        };
+        if N == 0 {
+            return;
+        }
+        self.us = after(&self.us, self.eu);
+        self.vs = after(&self.vs, self.ev);
+        self.ws = after(&self.ws, self.ew);
+        let rows: [[f64; N]; N] = std::array::from_fn(|i| after(&self.ss[i], self.es[i]));
+        let of_e = after(&self.es, self.ee);
+        self.ss = std::array::from_fn(|i| {
+            std::array::from_fn(|j| {
+                let next = rows.get(i + 1).map_or(0.0, |row| row[j]);
+                next - colour.back[i] * rows[0][j] + colour.feed[i] * of_e[j]
+            })
+        });
+    }
+
+    /// What a sample f (u + w) + s_1 + c_0 e tells.
+    fn observe(&mut self, f: f64, own: f64, white: f64) -> Told<N> {
+        let first = |of: &[f64; N]| of.first().copied().unwrap_or_default();
+        let (us, vs, ws) = (first(&self.us), first(&self.vs), first(&self.ws));
+        let ss = self.ss.first().map_or(0.0, |row| row[0]);
+        let of_white = own * own * white + ss + 2.0 * f * (us + ws);
+        let variance = f * f * (self.uu + 2.0 * self.uw + self.ww) + of_white;
         let seen = [
-            f * (self.uu + self.uw) + h * self.ue,
-            f * (self.uv + self.vw) + h * self.ve,
-            f * (self.uw + self.ww) + h * self.we,
+            f * (self.uu + self.uw) + us,
+            f * (self.uv + self.vw) + vs,
+            f * (self.uw + self.ww) + ws,
         ];
-        let [u, v, w] = seen.map(|s| s / total);
-        let e = b * white / total;
+        let seen_states: [f64; N] =
+            std::array::from_fn(|j| f * (self.us[j] + self.ws[j]) + self.ss[0][j]);
+        let [u, v, w] = seen.map(|s| s / variance);
+        let states = seen_states.map(|s| s / variance);
+        let seen_e = own * white;
+        let e = seen_e / variance;
         self.uu -= u * seen[0];
         self.uv -= u * seen[1];
         self.vv -= v * seen[1];
         self.uw -= u * seen[2];
         self.vw -= v * seen[2];
         self.ww -= w * seen[2];
-        self.ee = white - e * e * total;
-        (self.ue, self.ve, self.we) = (-u * e * total, -v * e * total, -w * e * total);
-        (total, [u, v, w, e])
+        for j in 0..N {
+            self.us[j] -= u * seen_states[j];
+            self.vs[j] -= v * seen_states[j];
+            self.ws[j] -= w * seen_states[j];
+            self.es[j] = -e * seen_states[j];
+            for i in 0..N {
+                self.ss[i][j] -= states[i] * seen_states[j];
+            }
+        }
+        self.ee = white - e * seen_e;
+        (self.eu, self.ev, self.ew) = (-u * seen_e, -v * seen_e, -w * seen_e);
+        Told {
+            variance,
+            roughness: [u, v, w],
+            e,
+            states,
+        }
     }
 }
 
 impl Along {
     /// Runs the filter's covariance recursion; `unresolved` is the share of the plate field's variance between nodes.
     pub(super) fn new(context: &Context, sizes: &Sizes, unresolved: f64) -> Self {
+        match context.channel.states() {
+            0 => Self::recursion::<0>(context, sizes, unresolved),
+            1 => Self::recursion::<1>(context, sizes, unresolved),
+            _ => Self::recursion::<MOST_STATES>(context, sizes, unresolved),
+        }
+    }
+
+    fn recursion<const N: usize>(context: &Context, sizes: &Sizes, unresolved: f64) -> Self {
         let n = context.samples();
         let roughness = Roughness::new(sizes);
-        let stationary = Covariance::stationary(
+        let stationary = Covariance::<N>::stationary(
             sizes.private * sizes.private,
             sizes.plate * sizes.plate * unresolved,
             roughness,
         );
         let between = sizes.length * unresolved.max(1e-6);
         let white = sizes.sensor * sizes.sensor;
+        let colours = context.channel.colours(&context.runs);
         let mut filter = Self {
             decay: vec![[0.0; 2]; n],
             scale: context.scale.clone(),
             gain: vec![[0.0; 2]; n],
             driver: Vec::new(),
-            white: Vec::new(),
+            states: N,
+            coloured: Vec::new(),
             inverse_sd: vec![0.0; n],
             log_det: 0.0,
         };
@@ -164,10 +289,14 @@ impl Along {
             *scale *= root;
         }
         for run in &context.runs {
-            let mut state = Covariance { ..stationary };
+            let mut state = stationary.clone();
             for i in run.clone() {
                 let mut driver = Driver::default();
+                let colour = colours.get(i).copied();
                 if i > run.start {
+                    if let Some(colour) = &colour {
+                        state.advance_noise(colour);
+                    }
                     let mut way = context.sliding[i] - context.sliding[i - 1];
                     if !means.is_empty() {
                         way = (way + sizes.length * (means[i - 1].1 + means[i].1)).max(0.0);
@@ -184,20 +313,24 @@ impl Along {
                         (driver.feed, driver.decay) = (step.feed, step.slow);
                     }
                 }
-                let shares = match context.lag.is_empty() {
-                    true => (1.0, 0.0),
-                    false => context.lag.noise(i),
-                };
-                let (total, [u, v, w, e]) = state.observe(filter.scale[i], shares, white);
-                if !context.lag.is_empty() {
-                    filter.white.push([e, shares.1]);
+                let own = colour.map_or(1.0, |colour| colour.own);
+                let told = state.observe(filter.scale[i], own, white);
+                let [u, v, w] = told.roughness;
+                if let Some(colour) = colour {
+                    let mut gains = [0.0; MOST_STATES];
+                    gains[..N].copy_from_slice(&told.states);
+                    filter.coloured.push(Coloured {
+                        colour,
+                        gain: told.e,
+                        gains,
+                    });
                 }
                 if !roughness.is_exponential() {
                     filter.driver.push(Driver { gain: v, ..driver });
                 }
                 filter.gain[i] = [u, w];
-                filter.inverse_sd[i] = 1.0 / total.sqrt();
-                filter.log_det += total.ln();
+                filter.inverse_sd[i] = 1.0 / told.variance.sqrt();
+                filter.log_det += told.variance.ln();
             }
         }
         filter
@@ -208,28 +341,40 @@ impl Along {
         self.driver.get(i).copied().unwrap_or_default()
     }
 
+    /// The coloured noise at a sample; nothing where it is white.
+    pub(super) fn coloured(&self, i: usize) -> Coloured {
+        self.coloured.get(i).copied().unwrap_or_default()
+    }
+
     /// Replaces stacked columns by their whitened innovations. The recursion of a column waits for its own last sample:
     /// several columns side by side keep the processor busy, and no column's arithmetic changes.
     pub(super) fn whiten(&self, columns: &mut [&mut [f64]]) {
         wide(
             #[inline(always)]
-            || match (self.white.is_empty(), self.driver.is_empty()) {
-                (true, true) => self.innovations::<false, false>(columns),
-                (false, true) => self.innovations::<true, false>(columns),
-                (true, false) => self.innovations::<false, true>(columns),
-                (false, false) => self.innovations::<true, true>(columns),
+            || match (self.states, self.driver.is_empty()) {
+                (0, true) => self.innovations::<0, false>(columns),
+                (1, true) => self.innovations::<1, false>(columns),
+                (_, true) => self.innovations::<MOST_STATES, false>(columns),
+                (0, false) => self.innovations::<0, true>(columns),
+                (1, false) => self.innovations::<1, true>(columns),
+                (_, false) => self.innovations::<MOST_STATES, true>(columns),
             },
         );
     }
 
     #[inline(always)]
-    fn innovations<const LAGGED: bool, const SMOOTH: bool>(&self, columns: &mut [&mut [f64]]) {
+    fn innovations<const N: usize, const SMOOTH: bool>(&self, columns: &mut [&mut [f64]]) {
         for block in columns.chunks_mut(TOGETHER) {
             let (mut u, mut w) = ([0.0; TOGETHER], [0.0; TOGETHER]);
             let (mut v, mut e) = ([0.0; TOGETHER], [0.0; TOGETHER]);
+            let mut states = [[0.0; N]; TOGETHER];
             for i in 0..self.scale.len() {
                 let (decay, gain) = (self.decay[i], self.gain[i]);
-                let white = if LAGGED { self.white[i] } else { [0.0; 2] };
+                let coloured = if N > 0 {
+                    self.coloured[i]
+                } else {
+                    Coloured::default()
+                };
                 let driver = if SMOOTH {
                     self.driver[i]
                 } else {
@@ -247,9 +392,10 @@ impl Along {
                         v[k] *= driver.decay;
                     }
                     let mut innovation = x[k] - self.scale[i] * (u[k] + w[k]);
-                    if LAGGED {
-                        innovation -= white[1] * e[k];
-                        e[k] = white[0] * innovation;
+                    if N > 0 {
+                        coloured.advance(&mut states[k], e[k]);
+                        innovation -= states[k][0];
+                        e[k] = coloured.update(&mut states[k], innovation);
                     }
                     u[k] += gain[0] * innovation;
                     w[k] += gain[1] * innovation;
@@ -268,15 +414,20 @@ impl Along {
     /// Replaces a stacked column x by (the filter)' x: the same recursion run backwards on the adjoint states.
     pub(super) fn whiten_transposed(&self, column: &mut [f64]) {
         let (mut u, mut v, mut w, mut e) = (0.0, 0.0, 0.0, 0.0);
+        let mut states = [0.0; MOST_STATES];
         for (i, x) in column.iter_mut().enumerate().rev() {
             let driver = self.driver(i);
-            let mut innovation = *x * self.inverse_sd[i]
+            let coloured = self.coloured(i);
+            let of_noise = (states.iter().zip(&coloured.gains)).map(|(s, gain)| s * gain);
+            let innovation = *x * self.inverse_sd[i]
                 + self.gain[i][0] * u
                 + self.gain[i][1] * w
-                + driver.gain * v;
-            if let Some([own, h]) = self.white.get(i) {
-                innovation += own * e;
-                e = -h * innovation;
+                + driver.gain * v
+                + coloured.gain * e
+                + of_noise.sum::<f64>();
+            if self.states > 0 {
+                states[0] -= innovation;
+                e = coloured.advance_adjoint(&mut states);
             }
             let after = u - self.scale[i] * innovation;
             u = after * self.decay[i][0];

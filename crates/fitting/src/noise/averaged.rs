@@ -3,7 +3,7 @@
 //! The mean of m samples, a distance d apart, of a field with correlation rho = exp(-d / length) between neighbours has
 //!
 //! ```text
-//! v = [m (1 - rho^2) - 2 rho (1 - rho^m)] / [m (1 - rho)]^2                                    (N6)
+//! v = [m (1 - rho^2) - 2 rho (1 - rho^m)] / [m (1 - rho)]^2                                    (N4)
 //! ```
 //!
 //! times the variance of a sample. Means side by side are taken as a chain of first order with this variance, whose
@@ -20,7 +20,7 @@ pub struct Averaged {
 }
 
 impl Averaged {
-    /// Root of (N6), and by how many correlation lengths half of the row is longer for the chain than it is.
+    /// Root of (N4), and by how many correlation lengths half of the row is longer for the chain than it is.
     pub(super) fn in_chain(&self, length: f64) -> (f64, f64) {
         let (m, d) = (self.samples, self.step / length);
         // Shorter rows are samples to one part in a million.

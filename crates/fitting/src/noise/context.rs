@@ -1,10 +1,10 @@
 //! What the noise model must know of each sample, and the sizes of its parts.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::averaged::Averaged;
-use super::lag::Lag;
-use super::ring::Ring;
+use super::channel::Channel;
 
 /// Plain numbers a sample, stacked run after run.
 #[derive(Clone, Debug)]
@@ -17,10 +17,8 @@ pub struct Context {
     pub place: Vec<f64>,
     /// Signed friction force that roughness and scatter multiply, N (or N m, or 1 for mu).
     pub scale: Vec<f64>,
-    /// The resonance through which each run's roughness reaches the record; empty where there is none.
-    pub ring: Vec<Option<Ring>>,
-    /// The filter of the force channel.
-    pub lag: Lag,
+    /// The way from the force to the record.
+    pub channel: Arc<Channel>,
     /// What each sample is the mean of; empty where each stands for itself.
     pub rows: Vec<Averaged>,
 }
@@ -67,17 +65,7 @@ impl Sizes {
 impl Context {
     /// What the record shows of a force: behind the filter of the channel.
     pub fn recorded(&self, force: &mut [f64]) {
-        self.lag.put_in(force);
-    }
-
-    /// Takes the channel's filter and each run's resonance out of a record of all samples.
-    pub(super) fn take_channel_out(&self, column: &mut [f64]) {
-        self.lag.take_out(column);
-        for (run, ring) in self.runs.iter().zip(&self.ring) {
-            if let Some(ring) = ring {
-                ring.take_out(&mut column[run.clone()]);
-            }
-        }
+        self.channel.lag.put_in(force);
     }
 
     /// Number of samples.

@@ -81,9 +81,9 @@ pub fn estimate(
     mean.view_mut((0, p + q), (n, gains.ncols()))
         .copy_from(&gains);
     let mut struck = residual.clone();
-    context.take_channel_out(struck.as_mut_slice());
+    context.channel.take_out(struck.as_mut_slice());
     for column in mean.as_mut_slice().chunks_mut(n.max(1)) {
-        context.take_channel_out(column);
+        context.channel.take_out(column);
     }
     let criterion = Criterion::new(context, &mean, &struck);
     let plate_separable = context.shared_places() > 0.05;

@@ -42,7 +42,7 @@ impl Lag {
 
     /// Shares of the white noise in (N6): of the sample's own and of the one before.
     pub(super) fn noise(&self, i: usize) -> (f64, f64) {
-        let a = self.fade[i];
+        let a = self.fade.get(i).copied().unwrap_or(0.0);
         (1.0 / (1.0 - a), -a / (1.0 - a))
     }
 

@@ -11,7 +11,8 @@
 //! ```
 //!
 //! with f the friction force that the model predicts. Where [`Sizes::smoothing`] is not zero both covariances are those of a
-//! smoother field (N7). The field q is the same in every run: it repeats, and no law could mend it. All sizes and the length are estimated by restricted maximum likelihood; whitening takes time linear
+//! smoother field (N7). Behind a filter of the channel or a resonance the record holds all but e as these show it (N5, N6, N8). The
+//! field q is the same in every run: it repeats, and no law could mend it. All sizes and the length are estimated by restricted maximum likelihood; whitening takes time linear
 //! in the samples: a Kalman filter along each run for u and e, a banded square-root information filter on a grid of
 //! plate nodes for q, a low-rank root for b.
 //!
@@ -19,6 +20,7 @@
 
 mod along;
 mod averaged;
+mod channel;
 mod context;
 mod estimate;
 mod lag;
@@ -35,10 +37,11 @@ mod vectors;
 mod whitener;
 
 pub use averaged::Averaged;
+pub use channel::Channel;
 pub use context::{Context, Sizes};
 pub use estimate::{EstimateOptions, NoiseModel, estimate};
 pub use lag::{Lag, left_s};
-pub use ring::Ring;
+pub use ring::{Ring, Spring};
 pub use roughness::Roughness;
 pub use scatter::ScatterEvidence;
 pub use whitener::Whitener;

@@ -12,6 +12,7 @@
 //! that its row is short and the nodes' information matrix is banded.
 
 use super::along::{Along, TOGETHER};
+use super::channel::MOST_STATES;
 use super::context::{Context, Sizes};
 use super::roughness::Roughness;
 use super::vectors::wide;
@@ -152,6 +153,37 @@ struct Seen {
     weights: Vec<f64>,
 }
 
+/// The state of the filter along a run as a function of one node: private roughness, field between the nodes, driver, white noise and
+/// the states of its colour.
+#[derive(Clone, Copy)]
+struct Sent<const N: usize> {
+    u: f64,
+    w: f64,
+    v: f64,
+    e: f64,
+    noise: [f64; N],
+}
+
+impl<const N: usize> Default for Sent<N> {
+    fn default() -> Self {
+        Self {
+            u: 0.0,
+            w: 0.0,
+            v: 0.0,
+            e: 0.0,
+            noise: [0.0; N],
+        }
+    }
+}
+
+impl<const N: usize> Sent<N> {
+    /// Whether nothing is left of the node where the force is f. (e is in the noise's states by then.)
+    fn is_forgotten(&self, f: f64) -> bool {
+        let noise: f64 = self.noise.iter().map(|s| (s / f).abs()).sum();
+        self.u.abs() + self.w.abs() + self.v.abs() + noise < FORGOTTEN
+    }
+}
+
 /// Rows of the whitened design of the nodes: row i is the response of innovation i to the nodes.
 pub(super) struct Rows {
     pub(super) first: Vec<usize>,
@@ -164,6 +196,14 @@ pub(super) struct Rows {
 impl Rows {
     /// Sends the nodes' design through the filter along each run.
     pub(super) fn new(context: &Context, sizes: &Sizes, grid: &Grid, along: &Along) -> Self {
+        match along.states {
+            0 => Self::sent::<0>(context, sizes, grid, along),
+            1 => Self::sent::<1>(context, sizes, grid, along),
+            _ => Self::sent::<MOST_STATES>(context, sizes, grid, along),
+        }
+    }
+
+    fn sent<const N: usize>(context: &Context, sizes: &Sizes, grid: &Grid, along: &Along) -> Self {
         let n = context.samples();
         let mut rows = Self {
             first: Vec::with_capacity(n),
@@ -173,34 +213,32 @@ impl Rows {
         };
         rows.offset.push(0);
         // The filter's state as a function of the nodes lo..hi.
-        let mut state = vec![[0.0_f64; 4]; grid.nodes];
+        let nothing = Sent::<N>::default();
+        let mut state = vec![nothing; grid.nodes];
         let mut seen = Seen::default();
         for run in &context.runs {
-            state.fill([0.0; 4]);
+            state.fill(nothing);
             let (mut lo, mut hi) = (0, 0);
             for i in run.clone() {
                 grid.seen(context, i, sizes.length, &mut seen);
                 let ends = (seen.first, seen.first + seen.weights.len());
                 let decay = along.decay[i];
                 let driver = along.driver(i);
-                for [u, w, _, v] in &mut state[lo..hi] {
+                let coloured = along.coloured(i);
+                for Sent { u, w, v, e, noise } in &mut state[lo..hi] {
                     *u = *u * decay[0] + driver.feed * *v;
                     *w *= decay[1];
                     *v *= driver.decay;
+                    coloured.advance(noise, *e);
                 }
                 let (f, along_scale) = (context.scale[i], along.scale[i]);
-                let [own, h] = along.white.get(i).copied().unwrap_or_default();
-                let forgotten = |[u, w, e, v]: [f64; 4]| {
-                    let white = if h == 0.0 { 0.0 } else { h * e / f };
-                    u.abs() + w.abs() + white.abs() + v.abs() < FORGOTTEN
-                };
-                while lo < hi && forgotten(state[lo]) {
-                    state[lo] = [0.0; 4];
+                while lo < hi && state[lo].is_forgotten(f) {
+                    state[lo] = nothing;
                     lo += 1;
                 }
-                while lo < hi && forgotten(state[hi - 1]) {
+                while lo < hi && state[hi - 1].is_forgotten(f) {
                     hi -= 1;
-                    state[hi] = [0.0; 4];
+                    state[hi] = nothing;
                 }
                 (lo, hi) = if lo == hi {
                     ends
@@ -209,22 +247,23 @@ impl Rows {
                 };
                 while hi - lo > LONGEST_ROW {
                     if ends.0 as isize - lo as isize > hi as isize - ends.1 as isize {
-                        state[lo] = [0.0; 4];
+                        state[lo] = nothing;
                         lo += 1;
                     } else {
                         hi -= 1;
-                        state[hi] = [0.0; 4];
+                        state[hi] = nothing;
                     }
                 }
                 let (gain, weight) = (along.gain[i], along.inverse_sd[i]);
                 for (j, state) in state.iter_mut().enumerate().take(hi).skip(lo) {
                     let direct = j.checked_sub(seen.first).and_then(|k| seen.weights.get(k));
                     let direct = direct.map_or(0.0, |w| f * w);
-                    let innovation = direct - along_scale * (state[0] + state[1]) - h * state[2];
-                    state[2] = own * innovation;
-                    state[0] += gain[0] * innovation;
-                    state[1] += gain[1] * innovation;
-                    state[3] += driver.gain * innovation;
+                    let noise = state.noise.first().copied().unwrap_or_default();
+                    let innovation = direct - along_scale * (state.u + state.w) - noise;
+                    state.e = coloured.update(&mut state.noise, innovation);
+                    state.u += gain[0] * innovation;
+                    state.w += gain[1] * innovation;
+                    state.v += driver.gain * innovation;
                     rows.values.push(innovation * weight);
                 }
                 rows.first.push(lo);

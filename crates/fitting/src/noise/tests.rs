@@ -1,5 +1,7 @@
 //! The linear-time recursions against the dense covariance, and recovery of known sizes.
 
+use std::sync::Arc;
+
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -16,8 +18,7 @@ fn ramps(samples: usize, pairs: usize) -> Context {
         sliding: Vec::new(),
         place: Vec::new(),
         scale: Vec::new(),
-        ring: Vec::new(),
-        lag: Lag::default(),
+        channel: Arc::default(),
         rows: Vec::new(),
     };
     for k in 0..2 * pairs {
@@ -131,7 +132,10 @@ fn filtered(context: &Context) -> [Context; 2] {
         let first = |i: usize| context.runs.iter().any(|run| run.start == i);
         let steps = (0..context.samples()).map(|i| if first(i) { 0.0 } else { 1.0 });
         Context {
-            lag: Lag::new(steps, samples),
+            channel: Arc::new(Channel {
+                lag: Lag::new(steps, samples),
+                ..Channel::default()
+            }),
             ..context.clone()
         }
     })
@@ -160,6 +164,92 @@ fn filtered_noise_equals_the_dense_covariance() {
         let (x, y) = (draw(&plain, &sizes, 2), whitener.whiten(&r));
         let other = whitener.whiten_transposed(&x).dot(&r);
         assert!((x.dot(&y) - other).abs() < 1e-9 * other.abs());
+    }
+}
+
+/// The same runs on a cord, the last without; with and without a filter beside it.
+fn on_a_cord(context: &Context) -> Vec<Context> {
+    let spring = Spring {
+        mass_kg: 0.2,
+        compliance_m_n: 1e-3,
+        damping_n_s_m: 3.0,
+        friction_n_s_m: 0.5,
+    };
+    let ring = Ring::new(&spring, 0.02).expect("visible");
+    let held = &context.runs[..context.runs.len() - 1];
+    let rings: Vec<_> = held.iter().map(|run| (run.clone(), ring)).collect();
+    let lags = filtered(context).map(|filtered| filtered.channel.lag.clone());
+    (std::iter::once(Lag::default()).chain(lags))
+        .map(|lag| Context {
+            channel: Arc::new(Channel {
+                lag,
+                rings: rings.clone(),
+            }),
+            ..context.clone()
+        })
+        .collect()
+}
+
+/// L^-1 V L^-1' + sensor^2 I, L being the dense matrix of what takes the channel out.
+fn behind_channel(context: &Context, sizes: &Sizes) -> DMatrix<f64> {
+    let n = context.samples();
+    let mut out = DMatrix::identity(n, n);
+    for mut column in out.column_iter_mut() {
+        context.channel.take_out(column.as_mut_slice());
+    }
+    let back = out.try_inverse().expect("it can be taken out");
+    let quiet = Sizes {
+        sensor: 0.0,
+        ..*sizes
+    };
+    &back * dense(context, &quiet) * back.transpose()
+        + DMatrix::identity(n, n) * sizes.sensor.powi(2)
+}
+
+/// On a cord the noise is what the dense covariance says, exactly without the plate's field and the scatter.
+#[test]
+fn noise_behind_a_cord_equals_the_dense_covariance() {
+    let plain = ramps(60, 2);
+    for context in on_a_cord(&plain) {
+        for sizes in [SIZES, SMOOTH] {
+            let sizes = Sizes {
+                plate: 0.0,
+                scatter: 0.0,
+                ..sizes
+            };
+            let factor = Cholesky::new(behind_channel(&context, &sizes)).expect("a covariance");
+            let whitener = Whitener::new(&context, &sizes);
+            let r = draw(&plain, &sizes, 1);
+            let exact = r.dot(&factor.solve(&r));
+            let ours = whitener.whiten(&r).norm_squared();
+            assert!((exact - ours).abs() < 1e-7 * exact, "{exact} {ours}");
+            let log_det: f64 = 2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>();
+            assert!((log_det - whitener.log_det()).abs() < 1e-7 * log_det.abs());
+            let (x, y) = (draw(&plain, &sizes, 2), whitener.whiten(&r));
+            let other = whitener.whiten_transposed(&x).dot(&r);
+            assert!((x.dot(&y) - other).abs() < 1e-9 * other.abs());
+        }
+    }
+}
+
+/// With the plate's field too, as far as its grid resolves it.
+#[test]
+fn plate_field_behind_a_cord_agrees_with_the_dense_covariance() {
+    let sizes = Sizes {
+        scatter: 0.0,
+        ..SIZES
+    };
+    for context in on_a_cord(&ramps(120, 2)) {
+        let factor = Cholesky::new(behind_channel(&context, &sizes)).expect("a covariance");
+        let whitener = Whitener::new(&context, &sizes);
+        for wave in [0.0, 30.0, 60.0] {
+            let smooth = DVector::from_fn(context.samples(), |i, _| {
+                context.scale[i] * (wave * context.place[i]).cos()
+            });
+            let ours = whitener.whiten(&smooth).norm_squared();
+            let ratio = ours / smooth.dot(&factor.solve(&smooth));
+            assert!((ratio - 1.0).abs() < 0.02, "wave {wave}: ratio {ratio}");
+        }
     }
 }
 

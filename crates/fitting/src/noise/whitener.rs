@@ -11,10 +11,9 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::along::Along;
+use super::channel::Channel;
 use super::context::{Context, Sizes};
-use super::lag::Lag;
 use super::plate::{Grid, Rows};
-use super::ring::Ring;
 use super::rotations::Rotations;
 use super::scatter::gain_columns;
 
@@ -28,10 +27,8 @@ pub struct Whitener {
     along: Arc<Along>,
     rotations: Option<Arc<Rotations>>,
     scatter: Option<ScatterRoot>,
-    /// Resonances that are taken out first, with the samples of their runs.
-    rings: Vec<(Range<usize>, Ring)>,
-    /// The filter that is taken out before them.
-    lag: Arc<Lag>,
+    /// Filter and resonances, which are taken out first.
+    channel: Arc<Channel>,
     log_det: f64,
 }
 
@@ -56,13 +53,7 @@ impl Whitener {
     pub fn new(context: &Context, sizes: &Sizes) -> Self {
         let grid = Grid::new(context, sizes.node_spacing());
         let along = Along::new(context, sizes, grid.unresolved(sizes));
-        let mut log_det = along.log_det - 2.0 * context.lag.log_det();
-        let rings: Vec<(Range<usize>, Ring)> = (context.runs.iter().zip(&context.ring))
-            .filter_map(|(run, ring)| ring.map(|ring| (run.clone(), ring)))
-            .collect();
-        for (run, ring) in &rings {
-            log_det -= 2.0 * ring.log_det(run.len());
-        }
+        let mut log_det = along.log_det - 2.0 * context.channel.log_det();
         let rotations = (sizes.plate > 0.0).then(|| {
             let rows = Rows::new(context, sizes, &grid, &along);
             Arc::new(Rotations::new(&rows, &grid, sizes))
@@ -72,8 +63,7 @@ impl Whitener {
             along: Arc::new(along),
             rotations,
             scatter: None,
-            rings,
-            lag: Arc::new(context.lag.clone()),
+            channel: Arc::clone(&context.channel),
             log_det,
         };
         if sizes.scatter > 0.0 {
@@ -140,19 +130,13 @@ impl Whitener {
             rotations.whiten_transposed(column);
         }
         self.along.whiten_transposed(column);
-        for (run, ring) in &self.rings {
-            ring.take_out_transposed(&mut column[run.clone()]);
-        }
-        self.lag.take_out_transposed(column);
+        self.channel.take_out_transposed(column);
         out
     }
 
     fn sweep(&self, columns: &mut [&mut [f64]]) {
         for column in columns.iter_mut() {
-            self.lag.take_out(column);
-            for (run, ring) in &self.rings {
-                ring.take_out(&mut column[run.clone()]);
-            }
+            self.channel.take_out(column);
         }
         self.along.whiten(columns);
         if let Some(rotations) = &self.rotations {
