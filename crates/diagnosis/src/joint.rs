@@ -10,7 +10,8 @@ use crate::starts::{ranked, with_laws};
 use crate::subset::Subset;
 
 /// Samples, repeats counted once, up to which a mass on a cord is fitted from several starts.
-const MOST_SAMPLES_AFRESH: usize = 15_000;
+pub(crate) const MOST_SAMPLES_AFRESH: usize = 15_000;
+
 /// Joint fits of the stand's model with each candidate, from the candidate's starts and from what is `known` of it; best first
 /// under the stand's noise.
 pub(crate) fn joint_fits(

@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 
 use crate::bench::{Bench, Fitted};
-use crate::joint::is_dear;
+use crate::joint::{MOST_SAMPLES_AFRESH, is_dear};
 use crate::scan::Scan;
 use crate::selection::{likely_scatter, settle};
 use crate::stand::Stand;
@@ -16,16 +16,19 @@ use crate::subset::Subset;
 
 /// Starts of the law that are fitted: those nearest to the record.
 const TAKEN: usize = 6;
+/// The same beside dear mechanics.
+const TAKEN_DEAR: usize = 3;
 /// Steps of each fit.
 const STEPS: u64 = 20;
 /// Deviance by which another valley must be deeper; fits end that near to a minimum.
 const DEEPER: f64 = 1.0;
 
-/// The stand, or one with the same causes whose law is likelier. (Causes with dear mechanics are fitted with the law afresh anyway,
-/// see [`crate::joint`]; a model from elsewhere leaves the law no other valley.)
+/// The stand, or one with the same causes whose law is likelier. (A model from elsewhere leaves the law no other valley; long
+/// records on a cord would take too long.)
 pub(crate) fn deepest(bench: &Bench<'_>, subset: &Subset, stand: Stand) -> Option<Stand> {
     let fitted = &stand.fitted;
-    if bench.prior.is_some() || fitted.effects.iter().any(|&e| is_dear(bench, e)) {
+    let dear = fitted.effects.iter().any(|&e| is_dear(bench, e));
+    if bench.prior.is_some() || dear && bench.mechanics() > MOST_SAMPLES_AFRESH {
         return Some(stand);
     }
     let context = subset.context_of(bench, fitted);
@@ -34,7 +37,7 @@ pub(crate) fn deepest(bench: &Bench<'_>, subset: &Subset, stand: Stand) -> Optio
         .with_scatter(&context, likely_scatter(&stand));
     let starts = with_laws(&fitted.parameters, bench.law_starts(&fitted.model));
     let mut starts = ranked(bench, subset, &whitener, &fitted.model, starts);
-    starts.truncate(TAKEN);
+    starts.truncate(if dear { TAKEN_DEAR } else { TAKEN });
     let fits: Vec<Option<(f64, Fitted)>> = starts
         .par_iter()
         .map(|(_, start)| {
