@@ -17,7 +17,7 @@
 //!
 //! The coefficients do not depend on the data: they are kept, and a column costs ten operations a sample.
 
-use super::channel::{Colour, MOST_STATES};
+use super::channel::{Colour, MOST_STATES, Undone};
 use super::context::{Context, Sizes};
 use super::roughness::{Roughness, Step};
 use super::vectors::wide;
@@ -253,15 +253,20 @@ impl<const N: usize> Covariance<N> {
 
 impl Along {
     /// Runs the filter's covariance recursion; `unresolved` is the share of the plate field's variance between nodes.
-    pub(super) fn new(context: &Context, sizes: &Sizes, unresolved: f64) -> Self {
-        match context.channel.states() {
-            0 => Self::recursion::<0>(context, sizes, unresolved),
-            1 => Self::recursion::<1>(context, sizes, unresolved),
-            _ => Self::recursion::<MOST_STATES>(context, sizes, unresolved),
+    pub(super) fn new(context: &Context, sizes: &Sizes, undone: &Undone, unresolved: f64) -> Self {
+        match undone.states() {
+            0 => Self::recursion::<0>(context, sizes, undone, unresolved),
+            1 => Self::recursion::<1>(context, sizes, undone, unresolved),
+            _ => Self::recursion::<MOST_STATES>(context, sizes, undone, unresolved),
         }
     }
 
-    fn recursion<const N: usize>(context: &Context, sizes: &Sizes, unresolved: f64) -> Self {
+    fn recursion<const N: usize>(
+        context: &Context,
+        sizes: &Sizes,
+        undone: &Undone,
+        unresolved: f64,
+    ) -> Self {
         let n = context.samples();
         let roughness = Roughness::new(sizes);
         let stationary = Covariance::<N>::stationary(
@@ -271,7 +276,7 @@ impl Along {
         );
         let between = sizes.length * unresolved.max(1e-6);
         let white = sizes.sensor * sizes.sensor;
-        let colours = context.channel.colours(&context.runs);
+        let colours = undone.colours(&context.runs);
         let mut filter = Self {
             decay: vec![[0.0; 2]; n],
             scale: context.scale.clone(),

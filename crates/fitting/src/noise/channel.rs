@@ -7,12 +7,12 @@
 //! n_i = sum_j c_j e_{i-j} - sum_j m_j n_{i-j}                                                               (N8)
 //! ```
 //!
-//! which the filter along the runs carries as states. At the first sample of a run everything has rested before: n = e.
+//! which the filter along the runs carries as states. At the first sample of a run everything has rested before.
 
 use std::ops::Range;
 
 use super::lag::Lag;
-use super::ring::Ring;
+use super::ring::{Coefficients, Ring};
 
 /// The way from the force to the record, of all runs.
 #[derive(Clone, Debug, Default)]
@@ -40,11 +40,101 @@ pub(super) struct Colour {
 }
 
 impl Channel {
-    /// Whether the record is the force itself.
-    pub(super) fn is_empty(&self) -> bool {
-        self.lag.is_empty() && self.rings.is_empty()
+    /// The channel as it is undone where samples lie at these distances slid and the roughness has this length.
+    pub(super) fn undone(&self, sliding: &[f64], length: f64) -> Undone {
+        let rings = self.rings.iter().map(|(run, ring)| {
+            let further = |i: usize| (sliding[i] - sliding[i.max(run.start + 1) - 1]) / length;
+            let second = (run.start + 1).min(run.end - 1);
+            UndoneRing {
+                poles: ring.poles(),
+                // what was before the first sample, the second says best
+                at: (run.clone().map(|i| ring.at(further(i.max(second))))).collect(),
+                run: run.clone(),
+            }
+        });
+        Undone {
+            lag: self.lag.clone(),
+            rings: rings.collect(),
+        }
+    }
+}
+
+/// A channel as it is undone, sample by sample.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Undone {
+    lag: Lag,
+    rings: Vec<UndoneRing>,
+}
+
+/// The resonance of one run as it is undone.
+#[derive(Clone, Debug)]
+struct UndoneRing {
+    run: Range<usize>,
+    /// D without its leading one.
+    poles: [f64; 2],
+    /// L at each sample of the run.
+    at: Vec<Coefficients>,
+}
+
+impl UndoneRing {
+    /// z over y at rest, before the run.
+    fn at_rest(&self) -> f64 {
+        let Coefficients { lead, zeros } = self.at[0];
+        lead * (1.0 + self.poles[0] + self.poles[1]) / (1.0 + zeros[0] + zeros[1])
     }
 
+    /// z_i = lead y_i + s_1,  s_1 = lead d_1 y_{i-1} - m_1 z_{i-1} + s_2,  s_2 = lead d_2 y_{i-1} - m_2 z_{i-1}.
+    fn take_out(&self, run: &mut [f64]) {
+        let Some(first) = run.first_mut() else { return };
+        let (mut y, mut z) = (*first, self.at_rest() * *first);
+        *first = z;
+        let mut second = self.second(0, y, z);
+        for (i, x) in run.iter_mut().enumerate().skip(1) {
+            let Coefficients { lead, zeros } = self.at[i];
+            let state = lead * self.poles[0] * y - zeros[0] * z + second;
+            second = self.second(i, y, z);
+            y = *x;
+            z = lead * y + state;
+            *x = z;
+        }
+    }
+
+    /// s_2 at a sample, from the one before.
+    fn second(&self, i: usize, y: f64, z: f64) -> f64 {
+        self.at[i].lead * self.poles[1] * y - self.at[i].zeros[1] * z
+    }
+
+    /// The transposed map: the same recursion backwards on the adjoints.
+    fn take_out_transposed(&self, run: &mut [f64]) {
+        // adjoints of the states that sample i + 1 leaves, and of s_2 that sample i left
+        let (mut of_y, mut of_z, mut second) = (0.0, 0.0, 0.0);
+        for i in (1..run.len()).rev() {
+            let Coefficients { lead, zeros } = self.at[i];
+            let z = run[i] + of_z;
+            let y = of_y + lead * z;
+            run[i] = y;
+            let state = z;
+            of_y = lead * self.poles[0] * state + lead * self.poles[1] * second;
+            of_z = -zeros[0] * state - zeros[1] * second;
+            second = state;
+        }
+        let at_rest = self.at_rest();
+        if let Some(first) = run.first_mut() {
+            let Coefficients { lead, zeros } = self.at[0];
+            of_y += lead * self.poles[1] * second;
+            of_z -= zeros[1] * second;
+            *first = of_y + at_rest * (*first + of_z);
+        }
+    }
+
+    /// log |det L|.
+    fn log_det(&self) -> f64 {
+        let later: f64 = self.at.iter().skip(1).map(|of| of.lead.ln()).sum();
+        self.at_rest().ln() + later
+    }
+}
+
+impl Undone {
     /// States that the white noise needs once the channel is taken out.
     pub(super) fn states(&self) -> usize {
         if !self.rings.is_empty() {
@@ -57,23 +147,27 @@ impl Channel {
     /// The colour of the white noise, sample by sample; empty where it stays white.
     pub(super) fn colours(&self, runs: &[Range<usize>]) -> Vec<Colour> {
         let mut out = Vec::new();
-        if self.is_empty() {
+        if self.states() == 0 {
             return out;
         }
         for run in runs {
-            let ring = self.rings.iter().find(|(of, _)| of == run);
-            let (over, back) = ring.map_or(([1.0, 0.0, 0.0], [0.0; 2]), |(_, r)| r.coefficients());
-            let back = [back[0], back[1], 0.0];
-            let mut before = 1.0;
+            let ring = self.rings.iter().find(|ring| ring.run == *run);
+            let mut before = ring.map_or(1.0, UndoneRing::at_rest);
             for i in run.clone() {
-                let (b, h) = self.lag.noise(i);
                 if i == run.start {
                     out.push(Colour {
-                        own: 1.0,
+                        own: before,
                         ..Colour::default()
                     });
                     continue;
                 }
+                let (over, back) = ring.map_or(([1.0, 0.0, 0.0], [0.0; 3]), |ring| {
+                    let Coefficients { lead, zeros } = ring.at[i - run.start];
+                    let [first, second] = ring.poles;
+                    let over = [lead, lead * first, lead * second];
+                    (over, [zeros[0], zeros[1], 0.0])
+                });
+                let (b, h) = self.lag.noise(i);
                 // (over_0 + over_1 B + over_2 B^2)(b + h B)
                 let c = [
                     over[0] * b,
@@ -81,20 +175,17 @@ impl Channel {
                     over[1] * h + over[2] * b,
                     over[2] * h,
                 ];
-                let feed = if i == run.start + 1 {
-                    // the first e stands for all before it
-                    let rest = |j: usize| (j..MOST_STATES).map(|k| c[k + 1] - back[k]).sum();
-                    std::array::from_fn(rest)
-                } else {
-                    std::array::from_fn(|j| c[j + 1] - back[j] * before)
-                };
-                before = c[0];
+                let fed = |j: usize| c[j + 1] - back[j] * before;
+                // the first e stands for all before it
+                let last = if i == run.start + 1 { MOST_STATES } else { 0 };
+                let feed = |j: usize| (j..last.max(j + 1)).map(fed).sum();
                 out.push(Colour {
                     own: c[0],
                     keep: 1.0,
-                    feed,
+                    feed: std::array::from_fn(feed),
                     back,
                 });
+                before = c[0];
             }
         }
         out
@@ -102,22 +193,21 @@ impl Channel {
 
     /// log |det| of the map from the record to z.
     pub(super) fn log_det(&self) -> f64 {
-        let rings = self.rings.iter().map(|(run, ring)| ring.log_det(run.len()));
-        self.lag.log_det() + rings.sum::<f64>()
+        self.lag.log_det() + self.rings.iter().map(UndoneRing::log_det).sum::<f64>()
     }
 
     /// z from the record.
     pub(super) fn take_out(&self, record: &mut [f64]) {
         self.lag.take_out(record);
-        for (run, ring) in &self.rings {
-            ring.take_out(&mut record[run.clone()]);
+        for ring in &self.rings {
+            ring.take_out(&mut record[ring.run.clone()]);
         }
     }
 
     /// The transposed map.
     pub(super) fn take_out_transposed(&self, record: &mut [f64]) {
-        for (run, ring) in &self.rings {
-            ring.take_out_transposed(&mut record[run.clone()]);
+        for ring in &self.rings {
+            ring.take_out_transposed(&mut record[ring.run.clone()]);
         }
         self.lag.take_out_transposed(record);
     }

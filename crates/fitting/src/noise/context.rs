@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::averaged::Averaged;
-use super::channel::Channel;
+use super::channel::{Channel, Undone};
 
 /// Plain numbers a sample, stacked run after run.
 #[derive(Clone, Debug)]
@@ -66,6 +66,11 @@ impl Context {
     /// What the record shows of a force: behind the filter of the channel.
     pub fn recorded(&self, force: &mut [f64]) {
         self.channel.lag.put_in(force);
+    }
+
+    /// The channel as it is undone under these sizes.
+    pub(super) fn undone(&self, sizes: &Sizes) -> Undone {
+        self.channel.undone(&self.sliding, sizes.length)
     }
 
     /// Number of samples.

@@ -80,12 +80,7 @@ pub fn estimate(
     mean.view_mut((0, p), (n, q)).copy_from(within);
     mean.view_mut((0, p + q), (n, gains.ncols()))
         .copy_from(&gains);
-    let mut struck = residual.clone();
-    context.channel.take_out(struck.as_mut_slice());
-    for column in mean.as_mut_slice().chunks_mut(n.max(1)) {
-        context.channel.take_out(column);
-    }
-    let criterion = Criterion::new(context, &mean, &struck);
+    let criterion = Criterion::new(context, &mean, residual);
     let plate_separable = context.shared_places() > 0.05;
     let frame = Frame::new(context, &criterion, options, plate_separable);
 

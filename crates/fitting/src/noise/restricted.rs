@@ -49,13 +49,15 @@ impl<'a> Criterion<'a> {
     pub(super) fn value(&self, sizes: &Sizes, spacing: f64) -> f64 {
         let grid = Grid::new(self.context, spacing);
         let with_plate = sizes.plate > 0.0;
-        let along = Along::new(self.context, sizes, grid.unresolved(sizes));
+        let undone = self.context.undone(sizes);
+        let along = Along::new(self.context, sizes, &undone, grid.unresolved(sizes));
         let mut columns = self.columns.clone();
         let n = columns.nrows();
         let mut parts: Vec<&mut [f64]> = columns.as_mut_slice().chunks_mut(n).collect();
+        parts.iter_mut().for_each(|column| undone.take_out(column));
         along.whiten(&mut parts);
         let mut gram = gram(&columns);
-        let mut log_det = along.log_det;
+        let mut log_det = along.log_det - 2.0 * undone.log_det();
         if with_plate {
             let rows = Rows::new(self.context, sizes, &grid, &along);
             let information = Information::new(&rows, &grid, sizes);

@@ -177,7 +177,7 @@ fn on_a_cord(context: &Context) -> Vec<Context> {
     };
     let ring = Ring::new(&spring, 0.02).expect("visible");
     let held = &context.runs[..context.runs.len() - 1];
-    let rings: Vec<_> = held.iter().map(|run| (run.clone(), ring)).collect();
+    let rings: Vec<_> = held.iter().map(|run| (run.clone(), ring.clone())).collect();
     let lags = filtered(context).map(|filtered| filtered.channel.lag.clone());
     (std::iter::once(Lag::default()).chain(lags))
         .map(|lag| Context {
@@ -195,7 +195,7 @@ fn behind_channel(context: &Context, sizes: &Sizes) -> DMatrix<f64> {
     let n = context.samples();
     let mut out = DMatrix::identity(n, n);
     for mut column in out.column_iter_mut() {
-        context.channel.take_out(column.as_mut_slice());
+        context.undone(sizes).take_out(column.as_mut_slice());
     }
     let back = out.try_inverse().expect("it can be taken out");
     let quiet = Sizes {
@@ -206,11 +206,17 @@ fn behind_channel(context: &Context, sizes: &Sizes) -> DMatrix<f64> {
         + DMatrix::identity(n, n) * sizes.sensor.powi(2)
 }
 
-/// On a cord the noise is what the dense covariance says, exactly without the plate's field and the scatter.
+/// On a cord the noise is what the dense covariance says, exactly without the plate's field, the scatter and a filter (behind both a
+/// resonance that changes with the speed and a filter the colour of the white noise is that of the last sample).
 #[test]
 fn noise_behind_a_cord_equals_the_dense_covariance() {
     let plain = ramps(60, 2);
     for context in on_a_cord(&plain) {
+        let tolerance = if context.channel.lag.is_empty() {
+            1e-7
+        } else {
+            2e-3
+        };
         for sizes in [SIZES, SMOOTH] {
             let sizes = Sizes {
                 plate: 0.0,
@@ -222,9 +228,9 @@ fn noise_behind_a_cord_equals_the_dense_covariance() {
             let r = draw(&plain, &sizes, 1);
             let exact = r.dot(&factor.solve(&r));
             let ours = whitener.whiten(&r).norm_squared();
-            assert!((exact - ours).abs() < 1e-7 * exact, "{exact} {ours}");
+            assert!((exact - ours).abs() < tolerance * exact, "{exact} {ours}");
             let log_det: f64 = 2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>();
-            assert!((log_det - whitener.log_det()).abs() < 1e-7 * log_det.abs());
+            assert!((log_det - whitener.log_det()).abs() < tolerance * log_det.abs());
             let (x, y) = (draw(&plain, &sizes, 2), whitener.whiten(&r));
             let other = whitener.whiten_transposed(&x).dot(&r);
             assert!((x.dot(&y) - other).abs() < 1e-9 * other.abs());

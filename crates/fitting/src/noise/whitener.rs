@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::along::Along;
-use super::channel::Channel;
+use super::channel::Undone;
 use super::context::{Context, Sizes};
 use super::plate::{Grid, Rows};
 use super::rotations::Rotations;
@@ -28,7 +28,7 @@ pub struct Whitener {
     rotations: Option<Arc<Rotations>>,
     scatter: Option<ScatterRoot>,
     /// Filter and resonances, which are taken out first.
-    channel: Arc<Channel>,
+    channel: Arc<Undone>,
     log_det: f64,
 }
 
@@ -52,8 +52,9 @@ impl Whitener {
     /// Builds the recursions for a campaign's samples and the sizes of its noise.
     pub fn new(context: &Context, sizes: &Sizes) -> Self {
         let grid = Grid::new(context, sizes.node_spacing());
-        let along = Along::new(context, sizes, grid.unresolved(sizes));
-        let mut log_det = along.log_det - 2.0 * context.channel.log_det();
+        let undone = context.undone(sizes);
+        let along = Along::new(context, sizes, &undone, grid.unresolved(sizes));
+        let mut log_det = along.log_det - 2.0 * undone.log_det();
         let rotations = (sizes.plate > 0.0).then(|| {
             let rows = Rows::new(context, sizes, &grid, &along);
             Arc::new(Rotations::new(&rows, &grid, sizes))
@@ -63,7 +64,7 @@ impl Whitener {
             along: Arc::new(along),
             rotations,
             scatter: None,
-            channel: Arc::clone(&context.channel),
+            channel: Arc::new(undone),
             log_det,
         };
         if sizes.scatter > 0.0 {
