@@ -181,7 +181,8 @@ pub struct LawFit {
     pub law: String,
     /// Error of the fit to all runs, in the floor's unit.
     pub rmse: f64,
-    /// Corrected Akaike criterion less that of the best law, under one noise model.
+    /// Corrected Akaike criterion less that of the best law, under the noise and the scatter between runs of the law that errs
+    /// least (D10).
     pub delta_aicc: f64,
 }
 

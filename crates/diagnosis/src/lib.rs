@@ -41,6 +41,7 @@ mod refusal;
 mod rhythm;
 mod samples;
 mod scan;
+mod scatter;
 mod selection;
 mod stand;
 mod starts;

@@ -134,11 +134,23 @@ pub(crate) fn law_alone(bench: &Bench<'_>, subset: &Subset, warm: Option<&Warm>)
             bench.fit(subset, &[], &start, &whitener, None, 20)?
         }
     };
+    under_its_noise(bench, subset, fitted, first_sizes, warm.is_some())
+}
+
+/// A fit, the noise beneath it, and the fit under that noise. `known`: whether the first sizes are those of a noise and not only
+/// something to begin with.
+pub(crate) fn under_its_noise(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    fitted: Fitted,
+    first_sizes: Sizes,
+    known: bool,
+) -> Option<Stand> {
     let mut sizes = first_sizes;
     let mut stand = Stand::new(bench, subset, fitted, sizes);
-    let rounds = if warm.is_some() { 1 } else { 2 };
+    let rounds = if known { 1 } else { 2 };
     for round in 0..rounds {
-        let start = (warm.is_some() || round > 0).then_some(sizes);
+        let start = (known || round > 0).then_some(sizes);
         let smooth = smooth_beside(bench, &stand.fitted);
         let noise = bench.noise(subset, &stand.fitted, &stand.jacobian, &smooth, start);
         sizes = noise.sizes;

@@ -7,6 +7,7 @@ use crate::bench::{Bench, Fitted};
 use crate::ground::Ground;
 use crate::integrity::is_coarse;
 use crate::prior::{append_prior, with_prior_rows};
+use crate::scatter::ScatterDeviance;
 use crate::subset::Subset;
 
 /// How likely a fit is under given sizes of the noise.
@@ -18,6 +19,7 @@ pub(crate) struct Likelihood {
     white: DVector<f64>,
     /// -2 log likelihood, the scatter between runs at its likeliest.
     pub(crate) deviance: f64,
+    scatter: ScatterDeviance,
 }
 
 impl Likelihood {
@@ -34,13 +36,19 @@ impl Likelihood {
         let residual =
             subset.gather(&bench.experiment.measured_n) - subset.gather(&fitted.prediction);
         let white = with_prior_rows(prior, whitener.whiten(&residual), &fitted.parameters);
-        let deviance = whitener.log_det() + scatter_deviance(&white_gains, &white);
+        let scatter = ScatterDeviance::new(&white_gains, &white);
         Self {
+            deviance: whitener.log_det() + scatter.least(),
             whitener,
             white_gains,
             white,
-            deviance,
+            scatter,
         }
+    }
+
+    /// -2 log likelihood, the scatter between runs at its likeliest up to a bound.
+    pub(crate) fn deviance_within(&self, bound: f64) -> f64 {
+        self.whitener.log_det() + self.scatter.least_within(bound)
     }
 }
 
@@ -84,6 +92,7 @@ impl Stand {
             white_gains,
             white,
             deviance,
+            ..
         } = likelihood;
         let (jacobian, columns) = bench.jacobian(subset, &fitted);
         let owners: Vec<Option<usize>> = columns.iter().map(|&c| Some(c)).collect();
@@ -154,7 +163,7 @@ impl Stand {
             self.whitener.whiten(&residual),
             &fit.parameters,
         );
-        self.whitener.log_det() + scatter_deviance(&self.white_gains, &white)
+        self.whitener.log_det() + ScatterDeviance::new(&self.white_gains, &white).least()
     }
 
     /// Whitens columns (all samples), with empty rows for a prior.
@@ -165,30 +174,6 @@ impl Stand {
         let n = white.nrows();
         white.resize_vertically(n + self.prior_rows, 0.0)
     }
-}
-
-/// min over s of log det V(s) + r'V(s)^-1 r, V(s) = I + s^2 H H', all whitened: the likelihood with its likeliest scatter.
-pub(crate) fn scatter_deviance(gains: &DMatrix<f64>, residual: &DVector<f64>) -> f64 {
-    let eigen = gains.tr_mul(gains).symmetric_eigen();
-    let turned = eigen.eigenvectors.tr_mul(&gains.tr_mul(residual));
-    let pairs: Vec<(f64, f64)> = eigen
-        .eigenvalues
-        .iter()
-        .zip(turned.iter())
-        .filter(|(l, _)| **l > 0.0)
-        .map(|(l, t)| (*l, *t))
-        .collect();
-    let at = |s2: f64| -> f64 {
-        pairs
-            .iter()
-            .map(|(l, t)| (s2 * l).ln_1p() - s2 * t * t / (1.0 + s2 * l))
-            .sum()
-    };
-    // Scatters from far below to far above anything that a rig shows, in steps of five percent.
-    let best = (0..280)
-        .map(|i| at((1e-6_f64 * 1.05_f64.powi(i)).powi(2)))
-        .fold(0.0, f64::min);
-    residual.norm_squared() + best
 }
 
 /// Gains of runs as columns; for very many runs neighbours share one.

@@ -2,7 +2,7 @@
 //! noise band, rivals and what they lose, what remains unexplained and where, what to measure next.
 
 use campaign::Campaign;
-use diagnosis::answer::{Diagnosis, Finding, LawFit, Share};
+use diagnosis::answer::{Diagnosis, Finding, Share};
 use diagnosis::{Curves, Diagnosed, Status};
 use report::figure::{Axis, Band, BarGroup, BarPlot, Figure, Ink, LinePlot, Provenance, Series};
 use report::{
@@ -292,29 +292,11 @@ fn rivals(answer: &Diagnosis, evidence: report::Evidence, prefix: &str) -> Table
     }
 }
 
-/// An error beyond that of a law with a worse criterion by more than this share is not the least that its law can have.
-const OUT_OF_ORDER: f64 = 0.1;
-
-/// The error of the law in this place of the table, best criterion first. The criterion grants each run a gain, in the shape
-/// of the law that was asked for; where the gains take up what a law misses, its fit ends early and its error is as large as
-/// chance leaves it. Laws with a worse criterion and a smaller error give that away.
-fn error_of(laws: &[LawFit], place: usize) -> Cell {
-    let own = laws[place].rmse;
-    let behind = laws[place + 1..].iter().map(|law| law.rmse);
-    if own > (1.0 + OUT_OF_ORDER) * behind.fold(f64::INFINITY, f64::min) {
-        return Cell::Missing(
-            "given up early: the gains of the runs stand in for it, so neither column ranks this law"
-                .into(),
-        );
-    }
-    own.into()
-}
-
 fn laws(answer: &Diagnosis, evidence: report::Evidence, prefix: &str) -> Table {
     Table {
         id: format!("{prefix}-laws"),
         title: "All laws on this campaign".into(),
-        caption: "Each law fitted alone under the noise found with the law that was asked for: error of the fit, and corrected Akaike criterion above the best law's. A law far out of the race is given up before its fit has ended, and a gain of its own for each run takes up part of what a law misses: error and criterion need not order alike. A law that errs more than one with a worse criterion shows no error.".into(),
+        caption: "Each law fitted alone: error of the fit, and corrected Akaike criterion above the best law's. All laws are compared under one noise, that beneath the law whose fit errs least: runs may differ by gains as far as they do beside that law, and what is sharp counts more than what is slow, so that error and criterion need not order alike.".into(),
         columns: vec![
             Column::text("law"),
             Column::number("error", &answer.noise_floor.unit),
@@ -323,8 +305,7 @@ fn laws(answer: &Diagnosis, evidence: report::Evidence, prefix: &str) -> Table {
         rows: answer
             .laws
             .iter()
-            .enumerate()
-            .map(|(place, l)| vec![l.law.clone().into(), error_of(&answer.laws, place), l.delta_aicc.into()])
+            .map(|l| vec![l.law.clone().into(), l.rmse.into(), l.delta_aicc.into()])
             .collect(),
         evidence: Some(evidence),
         provenance: Some(Provenance::here(STAGE, "laws")),
@@ -507,25 +488,6 @@ mod tests {
             profile: Vec::new(),
             unit: "1".into(),
         }
-    }
-
-    #[test]
-    fn an_error_that_laws_with_a_worse_criterion_undercut_is_not_shown() {
-        let law = |rmse: f64, delta_aicc: f64| LawFit {
-            law: "dahl".into(),
-            rmse,
-            delta_aicc,
-        };
-        let laws = [
-            law(0.01, 0.0),
-            law(0.64, 558.0),
-            law(0.302, 5552.0),
-            law(0.3, 5577.0),
-        ];
-        let shown: Vec<bool> = (0..laws.len())
-            .map(|place| matches!(error_of(&laws, place), Cell::Number(_)))
-            .collect();
-        assert_eq!(shown, [true, false, true, true]);
     }
 
     #[test]

@@ -16,6 +16,7 @@ use report::{Cell, Column, Evidence, Table, Value};
 
 use super::failed;
 use super::figures::stamped;
+use super::relative::{Curve, lines, ratio};
 use crate::stage::StageError;
 
 /// Assumed stiffnesses, N/m, stiffest first.
@@ -147,21 +148,18 @@ impl Sweep {
     pub(super) fn figure(&self) -> Figure {
         let reference = &self.best().found;
         let compliance = |point: &Point| point.stiffness_n_m.map_or(0.0, |k| 1e3 / k);
-        let mut series: Vec<Series> = NAMES
+        let curves: Vec<Curve> = NAMES
             .iter()
-            .enumerate()
-            .map(|(k, name)| {
-                let points = self
-                    .points
-                    .iter()
-                    .filter_map(|p| {
-                        let ratio = p.found.value(name)? / reference.value(name)?;
-                        Some([compliance(p), ratio])
-                    })
-                    .collect();
-                Series::line(name, Ink::Slot(k as u8), points).marked(Mark::LinePoints)
+            .map(|name| {
+                let at = |p: &Point| {
+                    let ratio = ratio(p.found.value(name)?, reference.value(name)?)?;
+                    Some([compliance(p), ratio])
+                };
+                let points = self.points.iter().filter_map(at).collect();
+                ((*name).to_owned(), points)
             })
             .collect();
+        let (mut series, missing) = lines(curves);
         let rmse = reference.quality.rmse;
         series.push(
             Series::line(
@@ -169,7 +167,7 @@ impl Sweep {
                 Ink::Muted,
                 self.points
                     .iter()
-                    .map(|p| [compliance(p), p.found.quality.rmse / rmse])
+                    .filter_map(|p| Some([compliance(p), ratio(p.found.quality.rmse, rmse)?]))
                     .collect(),
             )
             .marked(Mark::Points),
@@ -184,7 +182,7 @@ impl Sweep {
         Figure::new(
             "identified-cord",
             "What a forgotten cord does to the parameters",
-            stamped(self.evidence, "Recorded through a cord, fitted with cords of assumed stiffness; zero compliance is the plain fit. Parameters and residual, each over its value at the likeliest stiffness."),
+            stamped(self.evidence, &format!("Recorded through a cord, fitted with cords of assumed stiffness; zero compliance is the plain fit. Parameters and residual, each over its value at the likeliest stiffness.{missing}")),
             self.evidence,
             plot,
             made,

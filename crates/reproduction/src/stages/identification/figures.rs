@@ -6,6 +6,7 @@ use report::Evidence;
 use report::figure::{Axis, Figure, Ink, LinePlot, Provenance, Rule, Series};
 
 use super::Identified;
+use super::relative::{Curve, lines, ratio};
 use crate::stages::friction_curves::{
     DIRECTIONS, coefficient_against_speed as speed_curve, force_against_time as time_curve,
     runs_in, speed_series,
@@ -143,20 +144,23 @@ pub(super) fn residual(one: &Identified) -> Figure {
 /// Root of the deviance against each parameter's distance from its estimate, by the profiles that gave the intervals. The
 /// root of a parabola is a straight line, so what is drawn between the few points that were computed is nearly true.
 pub(super) fn profiles(one: &Identified) -> Figure {
-    let series = one
+    let curves: Vec<Curve> = one
         .found
         .profiles
         .iter()
-        .enumerate()
-        .map(|(k, (name, points))| {
+        .map(|(name, points)| {
             let best = one.found.value(name).unwrap_or(f64::NAN);
-            let line: Vec<[f64; 2]> = points
+            let line = points
                 .iter()
-                .map(|p| [100.0 * (p.value / best - 1.0), p.deviance.max(0.0).sqrt()])
+                .filter_map(|p| {
+                    let distance = 100.0 * (ratio(p.value, best)? - 1.0);
+                    Some([distance, p.deviance.max(0.0).sqrt()])
+                })
                 .collect();
-            Series::line(name, Ink::Slot(k as u8), line).marked(report::figure::Mark::LinePoints)
+            (name.clone(), line)
         })
         .collect();
+    let (series, missing) = lines(curves);
     let mut plot = LinePlot::new(
         Axis::new("distance from the estimate", "%"),
         Axis::new("root of the loss of fit (twice the log-likelihood)", "1"),
@@ -169,7 +173,7 @@ pub(super) fn profiles(one: &Identified) -> Figure {
     Figure::new(
         "identified-profiles",
         "Profile likelihood of every parameter",
-        stamped(one.evidence, "One parameter held, all others refitted. A narrow valley is a well-determined parameter. Each interval ends where its curve reaches the t quantile of its own degrees of freedom, at or above the line."),
+        stamped(one.evidence, &format!("One parameter held, all others refitted. A narrow valley is a well-determined parameter. Each interval ends where its curve reaches the t quantile of its own degrees of freedom, at or above the line.{missing}")),
         one.evidence,
         plot,
         provenance("profiles", one),

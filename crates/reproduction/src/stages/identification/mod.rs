@@ -3,6 +3,7 @@
 pub(crate) mod choices;
 mod cord;
 pub(super) mod figures;
+mod relative;
 pub(crate) mod spread;
 mod tables;
 mod values;
