@@ -148,10 +148,10 @@ fn by_likelihood(
 /// leaves out what further causes could explain, and then makes much of a remainder that a worse fit's noise swallows.
 fn likeliest(bench: &Bench<'_>, subset: &Subset, stands: &[(usize, Stand)]) -> Vec<f64> {
     let each = stands.par_iter().map(|(cause, stand)| {
-        let others = stands.iter().filter(|(other, _)| other != cause);
-        others
-            .map(|(_, other)| stand.deviance_with(bench, subset, other.sizes))
-            .fold(stand.deviance, f64::min)
+        stands
+            .iter()
+            .map(|(_, other)| stand.deviance_past_resonance(bench, subset, other.sizes))
+            .fold(f64::INFINITY, f64::min)
             + search_price(bench, *cause)
     });
     each.collect()

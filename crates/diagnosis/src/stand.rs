@@ -24,14 +24,29 @@ pub(crate) struct Likelihood {
 
 impl Likelihood {
     pub(crate) fn of(bench: &Bench<'_>, subset: &Subset, fitted: &Fitted, sizes: Sizes) -> Self {
-        let context = subset.context_of(bench, fitted);
+        Self::in_context(
+            bench,
+            subset,
+            fitted,
+            sizes,
+            &subset.context_of(bench, fitted),
+        )
+    }
+
+    fn in_context(
+        bench: &Bench<'_>,
+        subset: &Subset,
+        fitted: &Fitted,
+        sizes: Sizes,
+        context: &Context,
+    ) -> Self {
         let inner = Sizes {
             scatter: 0.0,
             ..sizes
         };
-        let whitener = Whitener::new(&context, &inner);
+        let whitener = Whitener::new(context, &inner);
         let prior = bench.prior.as_ref();
-        let gains = gain_matrix(&context);
+        let gains = gain_matrix(context);
         let white_gains = append_prior(prior, whitener.whiten_columns(&gains), &[]);
         let residual =
             subset.gather(&bench.experiment.measured_n) - subset.gather(&fitted.prediction);
@@ -121,6 +136,18 @@ impl Stand {
     /// -2 log likelihood of the fit under other sizes of the noise.
     pub(crate) fn deviance_with(&self, bench: &Bench<'_>, subset: &Subset, sizes: Sizes) -> f64 {
         Likelihood::of(bench, subset, &self.fitted, sizes).deviance
+    }
+
+    /// The same as if roughness reached the record past no resonance: what a
+    /// resonance makes of noise is no evidence for it beside rivals (the grid of a plate that is rough on a small scale gives it some).
+    pub(crate) fn deviance_past_resonance(
+        &self,
+        bench: &Bench<'_>,
+        subset: &Subset,
+        sizes: Sizes,
+    ) -> f64 {
+        let context = subset.context(bench, self.fitted.friction(bench));
+        Likelihood::in_context(bench, subset, &self.fitted, sizes, &context).deviance
     }
 
     /// The ground with each residual drawn towards zero by half a step of the force channel: what rounding may have made is
