@@ -62,16 +62,9 @@ fn whitened(protocol: Protocol, size: f64, seed: u64) -> Vec<(bool, Vec<f64>)> {
             friction_n_s_m: model.contact_damping(&experiment, k, &values),
         };
         let ring = Ring::new(&spring, run.time_s[1] - run.time_s[0]).expect("it rings");
-        let (mut at, mut slid) = (0.0, 0.0);
-        for i in 0..run.len() {
-            if i > 0 {
-                let speed = 0.5 * (run.velocity_m_s[i - 1] + run.velocity_m_s[i]);
-                at += speed * (run.time_s[i] - run.time_s[i - 1]);
-                slid += speed.abs() * (run.time_s[i] - run.time_s[i - 1]);
-            }
-            sliding.push(slid);
-            place.push(at - ring.left_s() * run.velocity_m_s[i]);
-        }
+        let seen = |(x, v): (&f64, &f64)| x - ring.left_s() * v;
+        place.extend(run.position_m.iter().zip(&run.velocity_m_s).map(seen));
+        sliding.extend_from_slice(&run.distance_m);
         rings.push((run.samples.clone(), ring));
     }
     let planted = (day.recordings.iter()).flat_map(|run| run.force_n.iter().copied());
