@@ -10,6 +10,7 @@
 //! which the filter along the runs carries as states. At the first sample of a run everything has rested before.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::lag::Lag;
 use super::ring::{Coefficients, Ring};
@@ -41,7 +42,7 @@ pub(super) struct Colour {
 
 impl Channel {
     /// The channel as it is undone where samples lie at these distances slid and the roughness has this length.
-    pub(super) fn undone(&self, sliding: &[f64], length: f64) -> Undone {
+    pub(super) fn undone(self: &Arc<Self>, sliding: &[f64], length: f64) -> Undone {
         let rings = self.rings.iter().map(|(run, ring)| {
             let further = |i: usize| (sliding[i] - sliding[i.max(run.start + 1) - 1]) / length;
             let second = (run.start + 1).min(run.end - 1);
@@ -53,8 +54,8 @@ impl Channel {
             }
         });
         Undone {
-            lag: self.lag.clone(),
             rings: rings.collect(),
+            channel: Arc::clone(self),
         }
     }
 }
@@ -62,7 +63,7 @@ impl Channel {
 /// A channel as it is undone, sample by sample.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Undone {
-    lag: Lag,
+    channel: Arc<Channel>,
     rings: Vec<UndoneRing>,
 }
 
@@ -140,7 +141,7 @@ impl Undone {
         if !self.rings.is_empty() {
             MOST_STATES
         } else {
-            usize::from(!self.lag.is_empty())
+            usize::from(!self.channel.lag.is_empty())
         }
     }
 
@@ -167,7 +168,7 @@ impl Undone {
                     let over = [lead, lead * first, lead * second];
                     (over, [zeros[0], zeros[1], 0.0])
                 });
-                let (b, h) = self.lag.noise(i);
+                let (b, h) = self.channel.lag.noise(i);
                 // (over_0 + over_1 B + over_2 B^2)(b + h B)
                 let c = [
                     over[0] * b,
@@ -193,12 +194,17 @@ impl Undone {
 
     /// log |det| of the map from the record to z.
     pub(super) fn log_det(&self) -> f64 {
-        self.lag.log_det() + self.rings.iter().map(UndoneRing::log_det).sum::<f64>()
+        self.channel.lag.log_det() + self.rings.iter().map(UndoneRing::log_det).sum::<f64>()
     }
 
     /// z from the record.
     pub(super) fn take_out(&self, record: &mut [f64]) {
-        self.lag.take_out(record);
+        self.channel.lag.take_out(record);
+        self.take_out_rings(record);
+    }
+
+    /// z from a record that the filter is taken out of already: no size of the noise changes that.
+    pub(super) fn take_out_rings(&self, record: &mut [f64]) {
         for ring in &self.rings {
             ring.take_out(&mut record[ring.run.clone()]);
         }
@@ -209,6 +215,6 @@ impl Undone {
         for ring in &self.rings {
             ring.take_out_transposed(&mut record[ring.run.clone()]);
         }
-        self.lag.take_out_transposed(record);
+        self.channel.lag.take_out_transposed(record);
     }
 }

@@ -80,13 +80,13 @@ pub fn estimate(
     mean.view_mut((0, p), (n, q)).copy_from(within);
     mean.view_mut((0, p + q), (n, gains.ncols()))
         .copy_from(&gains);
-    let criterion = Criterion::new(context, &mean, residual);
+    let criterion = Criterion::new(context, mean, residual);
     let plate_separable = context.shared_places() > 0.05;
     let frame = Frame::new(context, &criterion, options, plate_separable);
 
     let start = frame.best_start(&criterion, options);
     let mut evaluations = frame.starts;
-    let mut minimum = frame.search(&criterion, start, &mut evaluations);
+    let mut minimum = frame.search(&criterion, start, options.start.is_none(), &mut evaluations);
     // What rows are the means of is known of exponential roughness only.
     if options.smooth && minimum.point.len() == SMOOTHING && context.rows.is_empty() {
         let thorough = options.start.is_none();
@@ -155,6 +155,9 @@ const SMOOTHINGS: (f64, f64) = (0.05, 0.95);
 /// Smoothings that are tried beside exponential roughness, and lengths over which the roughness is alike as shares of the one found
 /// (exponential roughness makes up for what it lacks in smoothness by length).
 const PROBES: [(f64, f64); 4] = [(0.15, 1.0), (0.6, 1.0), (0.6, 0.4), (0.6, 0.15)];
+/// Spacing of the plate's nodes over their own on which the sizes are searched for first: near enough for a few steps on the fine
+/// grid to end the search, at a fraction of its price.
+const COARSE: f64 = 3.0;
 /// -2 log likelihood that smoothing must save, or the roughness is taken as exponential.
 const WORTH_SMOOTHING: f64 = 2.0;
 
@@ -228,23 +231,32 @@ impl Frame {
         }
     }
 
-    /// The likeliest sizes from a start that has the smoothing or has it not.
+    /// The likeliest sizes from a start that has the smoothing or has it not; one that is far from them is first brought near on a
+    /// coarse grid.
     fn search(
         &self,
         criterion: &Criterion<'_>,
         mut start: Vec<f64>,
+        far: bool,
         evaluations: &mut usize,
     ) -> search::Minimum {
         let mut bounds = self.bounds.clone();
         bounds.truncate(start.len());
         let mut again = true;
         loop {
+            let begun = start[LENGTH];
             let spacing = self.sizes(&start).node_spacing();
-            let f = |x: &[f64]| criterion.value(&self.sizes(x), spacing);
-            let found = search::minimise(&f, &start, &bounds, 25);
+            let on = |spacing: f64| move |x: &[f64]| criterion.value(&self.sizes(x), spacing);
+            let mut inverse = None;
+            if far {
+                let near = search::minimise(&on(COARSE * spacing), &start, &bounds, 25);
+                *evaluations += near.evaluations;
+                (start, inverse) = (near.point, Some(near.inverse));
+            }
+            let found = search::minimise_from(&on(spacing), &start, inverse, &bounds, 25);
             *evaluations += found.evaluations;
             // The grid's spacing follows the length: search again only where it moved far, and once.
-            let moved = (found.point[LENGTH] - start[LENGTH]).abs();
+            let moved = (found.point[LENGTH] - begun).abs();
             if moved < 0.7 || !again {
                 return found;
             }
@@ -265,8 +277,8 @@ impl Frame {
         evaluations: &mut usize,
     ) -> search::Minimum {
         let on_grid = |point: &[f64], spacing| criterion.value(&self.sizes(point), spacing);
-        let likelier = PROBES
-            .iter()
+        let probed: Vec<(f64, Vec<f64>)> = PROBES
+            .par_iter()
             .map(|&(smoothing, share)| {
                 // Roughness is alike over l (1 + rho).
                 let mut point = plain.point.clone();
@@ -278,13 +290,15 @@ impl Frame {
                     point,
                 )
             })
+            .collect();
+        let likelier = (probed.into_iter())
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .filter(|(beyond, _)| thorough || *beyond < 0.0);
         *evaluations += 2 * PROBES.len();
         let Some((_, point)) = likelier else {
             return plain;
         };
-        let found = self.search(criterion, point, evaluations);
+        let found = self.search(criterion, point, thorough, evaluations);
         let spacing = self.sizes(&found.point).node_spacing();
         let own = on_grid(&found.point, spacing);
         let saves = |plain: f64| own < plain - WORTH_SMOOTHING;
@@ -336,7 +350,7 @@ impl Frame {
             .par_iter()
             .map(|x| {
                 let sizes = self.sizes(x);
-                criterion.value(&sizes, sizes.node_spacing())
+                criterion.value(&sizes, COARSE * sizes.node_spacing())
             })
             .collect();
         let best = (0..points.len()).min_by(|&a, &b| values[a].total_cmp(&values[b]));

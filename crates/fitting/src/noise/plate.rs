@@ -290,18 +290,50 @@ impl Rows {
     #[inline(always)]
     fn gathered(&self, columns: &[&[f64]], nodes: usize) -> Vec<[f64; TOGETHER]> {
         let mut out = vec![[0.0; TOGETHER]; nodes];
-        for i in 0..self.first.len() {
+        let at = |i: usize| {
             let mut x = [0.0; TOGETHER];
             for (x, column) in x.iter_mut().zip(columns) {
                 *x = column[i];
             }
-            for (o, &a) in out[self.first[i]..].iter_mut().zip(self.row(i)) {
+            x
+        };
+        let n = self.first.len();
+        for i in (0..n - n % 2).step_by(2) {
+            let (x, y) = (at(i), at(i + 1));
+            let (own, next) = (self.row(i), self.row(i + 1));
+            let before = self.first[i + 1].checked_sub(self.first[i]);
+            let Some(before) = before.filter(|&before| before < own.len()) else {
+                add(&mut out[self.first[i]..], own, &x);
+                add(&mut out[self.first[i + 1]..], next, &y);
+                continue;
+            };
+            // nodes that both samples see are loaded and stored once
+            let (alone, own) = own.split_at(before);
+            let both = own.len().min(next.len());
+            add(&mut out[self.first[i]..], alone, &x);
+            let (shared, after) = out[self.first[i + 1]..].split_at_mut(both);
+            for ((o, &a), &b) in shared.iter_mut().zip(own).zip(next) {
                 for k in 0..TOGETHER {
-                    o[k] += a * x[k];
+                    o[k] = b.mul_add(y[k], a.mul_add(x[k], o[k]));
                 }
             }
+            add(after, &own[both..], &x);
+            add(after, &next[both..], &y);
+        }
+        if n % 2 == 1 {
+            add(&mut out[self.first[n - 1]..], self.row(n - 1), &at(n - 1));
         }
         out
+    }
+}
+
+/// out_j += a_j x.
+#[inline(always)]
+fn add(out: &mut [[f64; TOGETHER]], row: &[f64], x: &[f64; TOGETHER]) {
+    for (o, &a) in out.iter_mut().zip(row) {
+        for k in 0..TOGETHER {
+            o[k] = a.mul_add(x[k], o[k]);
+        }
     }
 }
 
@@ -313,6 +345,42 @@ pub(super) struct Information {
     nodes: usize,
     /// log det(I + A Q A^T).
     pub(super) log_det: f64,
+}
+
+/// Adds A'A to a band that holds M[j + d, j] at j stride + d.
+#[inline(always)]
+fn add_gram(m: &mut [f64], stride: usize, rows: &Rows) {
+    for (i, &first) in rows.first.iter().enumerate() {
+        let row = rows.row(i);
+        for (a, (&x, column)) in row
+            .iter()
+            .zip(m[first * stride..].chunks_exact_mut(stride))
+            .enumerate()
+        {
+            for (slot, &y) in column.iter_mut().zip(&row[a..]) {
+                *slot = x.mul_add(y, *slot);
+            }
+        }
+    }
+}
+
+/// Right-looking Cholesky of the band, in its place.
+#[inline(always)]
+fn factor_band(m: &mut [f64], stride: usize) {
+    let nodes = m.len() / stride;
+    for j in 0..nodes {
+        let (own, later) = m[j * stride..].split_at_mut(stride);
+        let pivot = own[0].max(f64::MIN_POSITIVE).sqrt();
+        own[0] = pivot;
+        let below = &mut own[1..stride.min(nodes - j)];
+        below.iter_mut().for_each(|x| *x /= pivot);
+        for (d, column) in (0..below.len()).zip(later.chunks_exact_mut(stride)) {
+            let x = below[d];
+            for (slot, &y) in column.iter_mut().zip(&below[d..]) {
+                *slot = (-x).mul_add(y, *slot);
+            }
+        }
+    }
 }
 
 impl Information {
@@ -332,34 +400,14 @@ impl Information {
                 }
             }
         }
-        for i in 0..rows.first.len() {
-            let (first, row) = (rows.first[i], rows.row(i));
-            for (a, &x) in row.iter().enumerate() {
-                let at = (first + a) * stride;
-                for (slot, &y) in m[at..at + row.len() - a].iter_mut().zip(&row[a..]) {
-                    *slot += x * y;
-                }
-            }
-        }
-        // Right-looking banded Cholesky on the columns.
-        let mut log_factor = 0.0;
-        for j in 0..nodes {
-            let pivot = m[j * stride].max(f64::MIN_POSITIVE).sqrt();
-            log_factor += pivot.ln();
-            m[j * stride] = pivot;
-            let reach = band.min(nodes - 1 - j);
-            for d in 1..=reach {
-                m[j * stride + d] /= pivot;
-            }
-            for d in 1..=reach {
-                let x = m[j * stride + d];
-                if x != 0.0 {
-                    for e in d..=reach {
-                        m[(j + d) * stride + e - d] -= x * m[j * stride + e];
-                    }
-                }
-            }
-        }
+        wide(
+            #[inline(always)]
+            || {
+                add_gram(&mut m, stride, rows);
+                factor_band(&mut m, stride);
+            },
+        );
+        let log_factor: f64 = m.iter().step_by(stride).map(|pivot| pivot.ln()).sum();
         let log_prior = root.log_diagonal(nodes);
         Self {
             band,
@@ -389,7 +437,7 @@ impl Information {
             }
             for (b, &l) in rest[..reach].iter_mut().zip(&own[1..]) {
                 for k in 0..TOGETHER {
-                    b[k] -= l * head[0][k];
+                    b[k] = (-l).mul_add(head[0][k], b[k]);
                 }
             }
         }

@@ -17,7 +17,7 @@ use super::plate::{Grid, Information, Rows};
 use super::scatter::orthonormal_basis;
 use super::vectors::wide;
 
-/// The data of the criterion, its columns orthonormalised once.
+/// The data of the criterion: the channel's filter taken out and the columns orthonormalised once.
 pub(super) struct Criterion<'a> {
     context: &'a Context,
     /// Basis of the mean's space, the residual as last column.
@@ -25,9 +25,14 @@ pub(super) struct Criterion<'a> {
 }
 
 impl<'a> Criterion<'a> {
-    pub(super) fn new(context: &'a Context, mean: &DMatrix<f64>, residual: &DVector<f64>) -> Self {
-        let basis = orthonormal_basis(mean);
-        let rest = residual - &basis * basis.tr_mul(residual);
+    pub(super) fn new(context: &'a Context, mean: DMatrix<f64>, residual: &DVector<f64>) -> Self {
+        let lag = &context.channel.lag;
+        let (mut mean, mut residual) = (mean, residual.clone());
+        mean.column_iter_mut()
+            .for_each(|mut column| lag.take_out(column.as_mut_slice()));
+        lag.take_out(residual.as_mut_slice());
+        let basis = orthonormal_basis(&mean);
+        let rest = &residual - &basis * basis.tr_mul(&residual);
         let p = basis.ncols();
         let mut columns = basis.resize_horizontally(p + 1, 0.0);
         columns.set_column(p, &rest);
@@ -54,7 +59,9 @@ impl<'a> Criterion<'a> {
         let mut columns = self.columns.clone();
         let n = columns.nrows();
         let mut parts: Vec<&mut [f64]> = columns.as_mut_slice().chunks_mut(n).collect();
-        parts.iter_mut().for_each(|column| undone.take_out(column));
+        parts
+            .iter_mut()
+            .for_each(|column| undone.take_out_rings(column));
         along.whiten(&mut parts);
         let mut gram = gram(&columns);
         let mut log_det = along.log_det - 2.0 * undone.log_det();
@@ -96,6 +103,10 @@ impl<'a> Criterion<'a> {
     }
 }
 
+/// Rows of one block of a Gram matrix: all its columns fit a processor's second cache.
+const BLOCK: usize = 512;
+const LANES: usize = 8;
+
 /// X'X, by dot products in eight lanes.
 pub(super) fn gram(columns: &DMatrix<f64>) -> DMatrix<f64> {
     wide(
@@ -104,36 +115,52 @@ pub(super) fn gram(columns: &DMatrix<f64>) -> DMatrix<f64> {
     )
 }
 
+/// Block by block of rows, and in each two columns by two: every number that is loaded serves twice.
 #[inline(always)]
 fn gram_by_dots(columns: &DMatrix<f64>) -> DMatrix<f64> {
-    let p = columns.ncols();
-    let n = columns.nrows();
+    let (n, p) = columns.shape();
     let data = columns.as_slice();
     let mut out = DMatrix::zeros(p, p);
-    for i in 0..p {
-        for j in 0..=i {
-            let x = dot(&data[i * n..(i + 1) * n], &data[j * n..(j + 1) * n]);
-            out[(i, j)] = x;
-            out[(j, i)] = x;
+    for from in (0..n).step_by(BLOCK) {
+        let to = (from + BLOCK).min(n);
+        let column = |j: usize| {
+            let j = j.min(p - 1);
+            &data[j * n + from..j * n + to]
+        };
+        for i in (0..p).step_by(2) {
+            for j in (0..=i).step_by(2) {
+                let of = dots([column(i), column(i + 1)], [column(j), column(j + 1)]);
+                for (a, b) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                    if i + a < p && j + b <= i + a {
+                        out[(i + a, j + b)] += of[a][b];
+                    }
+                }
+            }
         }
     }
+    out.fill_upper_triangle_with_lower_triangle();
     out
 }
 
+/// Products of two columns with two.
 #[inline(always)]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut lanes = [0.0; 8];
-    let (ca, cb) = (a.chunks_exact(8), b.chunks_exact(8));
-    let tail: f64 = ca
-        .remainder()
-        .iter()
-        .zip(cb.remainder())
-        .map(|(x, y)| x * y)
-        .sum();
-    for (x, y) in ca.zip(cb) {
-        for k in 0..8 {
-            lanes[k] += x[k] * y[k];
+fn dots(left: [&[f64]; 2], right: [&[f64]; 2]) -> [[f64; 2]; 2] {
+    let mut lanes = [[[0.0; LANES]; 2]; 2];
+    let mut chunks = [left[0], left[1], right[0], right[1]].map(|x| x.chunks_exact(LANES));
+    let rest = [0, 1, 2, 3].map(|k: usize| chunks[k].remainder());
+    let [a, b, c, d] = &mut chunks;
+    for (((a, b), c), d) in a.zip(b).zip(c).zip(d) {
+        for k in 0..LANES {
+            lanes[0][0][k] = a[k].mul_add(c[k], lanes[0][0][k]);
+            lanes[0][1][k] = a[k].mul_add(d[k], lanes[0][1][k]);
+            lanes[1][0][k] = b[k].mul_add(c[k], lanes[1][0][k]);
+            lanes[1][1][k] = b[k].mul_add(d[k], lanes[1][1][k]);
         }
     }
-    lanes.iter().sum::<f64>() + tail
+    let tail = |a: usize, b: usize| -> f64 {
+        let pairs = rest[a].iter().zip(rest[2 + b]);
+        pairs.map(|(x, y)| x * y).sum()
+    };
+    let sum = |a: usize, b: usize| lanes[a][b].iter().sum::<f64>() + tail(a, b);
+    [[sum(0, 0), sum(0, 1)], [sum(1, 0), sum(1, 1)]]
 }

@@ -199,6 +199,8 @@ fn moving_average(
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
@@ -239,7 +241,9 @@ mod tests {
             rings: vec![(run, ring)],
             ..Channel::default()
         };
-        channel.undone(&sliding, 1.0).take_out(&mut record);
+        Arc::new(channel)
+            .undone(&sliding, 1.0)
+            .take_out(&mut record);
         record
     }
 

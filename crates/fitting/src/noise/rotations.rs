@@ -105,7 +105,7 @@ impl Rotations {
                 let pairs = &self.pairs[self.offset[i]..self.offset[i + 1]];
                 for (z, &(c, s)) in field[self.first[i]..].iter_mut().zip(pairs) {
                     for k in 0..TOGETHER {
-                        (z[k], y[k]) = (c * z[k] + s * y[k], c * y[k] - s * z[k]);
+                        (z[k], y[k]) = (c.mul_add(z[k], s * y[k]), c.mul_add(y[k], -s * z[k]));
                     }
                 }
                 for (v, column) in y.iter().zip(block.iter_mut()) {

@@ -11,9 +11,14 @@ const STEP: f64 = 0.02;
 /// A step that promises to lower -2 log likelihood by less than this is not worth taking.
 const PROMISE: f64 = 0.02;
 
+/// Inverse of the curvature before any is met.
+const FIRST: f64 = 0.1;
+
 /// Where a search ended.
 pub(super) struct Minimum {
     pub(super) point: Vec<f64>,
+    /// Estimate of the inverse of the Hessian there.
+    pub(super) inverse: DMatrix<f64>,
     pub(super) value: f64,
     pub(super) evaluations: usize,
     pub(super) converged: bool,
@@ -23,6 +28,17 @@ pub(super) struct Minimum {
 pub(super) fn minimise(
     f: &(dyn Fn(&[f64]) -> f64 + Sync),
     start: &[f64],
+    bounds: &[(f64, f64)],
+    most_iterations: usize,
+) -> Minimum {
+    minimise_from(f, start, None, bounds, most_iterations)
+}
+
+/// The same with an estimate of the inverse of the Hessian to start from.
+pub(super) fn minimise_from(
+    f: &(dyn Fn(&[f64]) -> f64 + Sync),
+    start: &[f64],
+    inverse: Option<DMatrix<f64>>,
     bounds: &[(f64, f64)],
     most_iterations: usize,
 ) -> Minimum {
@@ -36,7 +52,7 @@ pub(super) fn minimise(
     let mut x = clamp(&DVector::from_column_slice(start));
     let mut value = f(x.as_slice());
     let mut evaluations = 1;
-    let mut inverse = DMatrix::<f64>::identity(n, n) * 0.1;
+    let mut inverse = inverse.unwrap_or_else(|| DMatrix::identity(n, n) * FIRST);
     let mut slope = gradient(f, &x, value, &mut evaluations);
     let mut converged = false;
     for _ in 0..most_iterations {
@@ -90,6 +106,7 @@ pub(super) fn minimise(
     }
     Minimum {
         point: x.as_slice().to_vec(),
+        inverse,
         value,
         evaluations,
         converged,

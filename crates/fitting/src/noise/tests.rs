@@ -345,7 +345,7 @@ fn agree(sizes: &Sizes) {
     let context = ramps(150, 3);
     let r = draw(&context, sizes, 2);
     let mean = gain_columns(&context);
-    let value = Criterion::new(&context, &mean, &r).value(sizes, sizes.node_spacing());
+    let value = Criterion::new(&context, mean.clone(), &r).value(sizes, sizes.node_spacing());
     let whitener = Whitener::new(&context, sizes);
     let basis = orthonormal_basis(&mean);
     let x = whitener.whiten_columns(&basis);
