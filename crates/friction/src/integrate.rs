@@ -20,7 +20,7 @@ const TOLERANCE: f64 = 4e-7;
 /// Above this product of rate and step the quintic is replaced by the collocation polynomial, which does not overshoot.
 const STIFF: f64 = 2.0;
 const NEWTON_LIMIT: usize = 12;
-const NEWTON_TOLERANCE: f64 = 1e-8;
+const NEWTON_TOLERANCE: f64 = 1e-6;
 /// A step is never cut below this share of its stretch.
 const SMALLEST: f64 = 1e-9;
 /// Steps that a run may try, at hand and for each of its samples: far more than any answer takes that the record can show. Beyond, an
