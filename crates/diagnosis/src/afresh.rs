@@ -103,33 +103,40 @@ pub(crate) fn afresh(
     let stands: Vec<(usize, Stand)> = best.into_iter().chain(others).collect();
     let ranked = by_likelihood(bench, subset, stands);
     let stands = if warm.is_none() && stand.fitted.effects.is_empty() {
-        let deep = in_deepest_valleys(bench, subset, ranked);
-        by_likelihood(bench, subset, deep)
+        in_deepest_valleys(bench, subset, ranked)
     } else {
         ranked
     };
     stands.into_iter().map(|(_, stand)| stand).collect()
 }
 
-/// Stands with the law in its deepest valley, for those that a deeper one can bring to the top.
+/// Ranked stands with the law in its deepest valley, for those that a deeper one can bring to the top; ranked again if one was deeper.
 fn in_deepest_valleys(
     bench: &Bench<'_>,
     subset: &Subset,
     ranked: Vec<(f64, (usize, Stand))>,
-) -> Vec<(usize, Stand)> {
+) -> Vec<(f64, (usize, Stand))> {
     let best = ranked.first().map_or(0.0, |(worth, _)| *worth);
     let each = ranked
         .into_par_iter()
         .filter_map(|(worth, (cause, stand))| {
+            let before = stand.deviance;
             let near = worth < best + DEEPEST_VALLEY;
             let stand = if near {
                 deepest(bench, subset, stand)?
             } else {
                 stand
             };
-            Some((cause, stand))
+            Some((stand.deviance < before, worth, (cause, stand)))
         });
-    each.collect()
+    let each: Vec<(bool, f64, (usize, Stand))> = each.collect();
+    let deeper = each.iter().any(|(deeper, _, _)| *deeper);
+    let ranked = each.into_iter().map(|(_, worth, stand)| (worth, stand));
+    if deeper {
+        by_likelihood(bench, subset, ranked.map(|(_, stand)| stand).collect())
+    } else {
+        ranked.collect()
+    }
 }
 
 /// Stands with -2 log likelihood, parameters paid for, the likeliest first.

@@ -66,7 +66,8 @@ impl Condensed {
     }
 }
 
-/// Condenses a long record; `None` where it is not long, or where nothing moves on the average. `samples` holds the forces that count, `masked` those that do not.
+/// Condenses a long record; `None` where it is not long, or where nothing moves on the average. `samples` holds the forces that
+/// count, `masked` those that do not.
 pub(crate) fn condense(
     campaign: &Campaign,
     samples: &Samples,

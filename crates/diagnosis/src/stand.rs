@@ -138,14 +138,17 @@ impl Stand {
         Likelihood::of(bench, subset, &self.fitted, sizes).deviance
     }
 
-    /// The same as if roughness reached the record past no resonance: what a
-    /// resonance makes of noise is no evidence for it beside rivals (the grid of a plate that is rough on a small scale gives it some).
+    /// The same as if roughness reached the record past no resonance: what a resonance makes of noise is no evidence for it beside
+    /// rivals (the grid of a plate that is rough on a small scale gives it some).
     pub(crate) fn deviance_past_resonance(
         &self,
         bench: &Bench<'_>,
         subset: &Subset,
         sizes: Sizes,
     ) -> f64 {
+        if sizes == self.sizes && subset.rings(bench, &self.fitted).is_empty() {
+            return self.deviance;
+        }
         let context = subset.context(bench, self.fitted.friction(bench));
         Likelihood::in_context(bench, subset, &self.fitted, sizes, &context).deviance
     }

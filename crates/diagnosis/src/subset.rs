@@ -138,21 +138,24 @@ impl Subset {
     /// samples do not show.
     pub(crate) fn context_of(&self, bench: &Bench<'_>, fitted: &Fitted) -> Context {
         let mut context = self.context(bench, fitted.friction(bench));
-        if self.weight.is_some() {
-            return context;
-        }
-        let mut rings = Vec::new();
-        for (&k, run) in self.runs.iter().zip(&self.ranges) {
-            let Some(ring) = ring_of(bench, fitted, k) else {
-                continue;
-            };
+        let rings = self.rings(bench, fitted);
+        for (run, ring) in &rings {
             for i in run.clone() {
                 context.place[i] -= ring.left_s() * bench.samples.velocity[self.rows[i]];
             }
-            rings.push((run.clone(), ring));
         }
         Arc::make_mut(&mut context.channel).rings = rings;
         context
+    }
+
+    /// The resonances of a fit's runs; none where samples are averaged.
+    pub(crate) fn rings(&self, bench: &Bench<'_>, fitted: &Fitted) -> Vec<(Range<usize>, Ring)> {
+        if self.weight.is_some() {
+            return Vec::new();
+        }
+        let runs = self.runs.iter().zip(&self.ranges);
+        runs.filter_map(|(&k, run)| Some((run.clone(), ring_of(bench, fitted, k)?)))
+            .collect()
     }
 
     /// The samples of these runs.
