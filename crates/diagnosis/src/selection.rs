@@ -14,7 +14,7 @@ use crate::general::Lack;
 use crate::joint::{is_dear, joint_fits, survivors};
 use crate::lateness::{Lateness, looked_up};
 use crate::left::lack;
-use crate::look_back::{drop_idle, exchange_with_named, look_back};
+use crate::look_back::{drop_idle, exchange_with_named, look_back, without};
 use crate::refusal::take_back;
 use crate::scan::{Scan, scan, scan_without, smooth_beside};
 use crate::stand::{Likelihood, Stand};
@@ -39,6 +39,9 @@ pub(crate) const SHAPE_TOLERANCE: f64 = 0.15;
 const KEPT: f64 = 0.5;
 /// How many times more than its score says a fit may save.
 const NONLINEAR: f64 = 3.0;
+
+/// Deviance below which a cause does nothing.
+const IDLE: f64 = 8.0;
 
 /// How thorough a selection is.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -185,8 +188,22 @@ pub(crate) fn select(
     depth: Depth,
     warm: Option<&Warm>,
 ) -> Option<Selected> {
-    let mut subset = subset.late_by(warm.map_or(Lateness::default(), |w| w.late));
-    let (mut base, first) = baseline(bench, &subset, warm)?;
+    let subset = subset.late_by(warm.map_or(Lateness::default(), |w| w.late));
+    let ground = baseline(bench, &subset, warm)?;
+    select_beside(bench, subset, ground, depth, warm, true)
+}
+
+/// The selection from a law alone and what is seen beside it. Where that law turns out to lie in a valley of its own, all begins again
+/// beside the better one, `once`.
+fn select_beside(
+    bench: &Bench<'_>,
+    mut subset: Subset,
+    ground: (Stand, Scan),
+    depth: Depth,
+    warm: Option<&Warm>,
+    once: bool,
+) -> Option<Selected> {
+    let (mut base, first) = ground;
     let threshold = (ALPHA_NAME / first.asked.max(1) as f64).ln();
     let best = first.candidates.first().map_or(0.0, |c| c.log_p);
     // Nobody asks a fold whether there is anything at all.
@@ -228,7 +245,7 @@ pub(crate) fn select(
             break;
         };
         let beyond_shape = round == 0 || step.drop > SHAPE_TOLERANCE.powi(2) * explained;
-        if !(step.drop > 8.0) || !beyond_shape || (round > 0 && step.log_p > threshold) {
+        if !(step.drop > IDLE) || !beyond_shape || (round > 0 && step.log_p > threshold) {
             break;
         }
         if round == 0 {
@@ -241,6 +258,10 @@ pub(crate) fn select(
             Next::Fit(fit) => settle(bench, &subset, &fit, found)?,
             Next::Settled(stand) => *stand,
         };
+        if once && let Some(law) = law_without(bench, &subset, &next, &base) {
+            let found = scan(bench, &subset, &law, likely_scatter(&law));
+            return select_beside(bench, subset, (law, found), depth, warm, false);
+        }
         let last = next.fitted.effects.len() - 1;
         if step.log_p * share_without_blows(bench, &subset, &next, last) > threshold {
             break;
@@ -288,6 +309,24 @@ pub(crate) fn select(
     };
     take_back(bench, &mut selected, -2.0 * threshold);
     Some(selected)
+}
+
+/// The law that a first cause has left behind, where that law alone does as well as both and better than the law alone did: the cause
+/// has only led the law out of a valley.
+fn law_without(bench: &Bench<'_>, subset: &Subset, single: &Stand, base: &Stand) -> Option<Stand> {
+    if single.fitted.effects.len() != 1 {
+        return None;
+    }
+    let context = subset.context_of(bench, &single.fitted);
+    let scatter = likely_scatter(single);
+    let whitener = single.whitener.with_scatter(&context, scatter);
+    let law = without(&single.fitted, 0);
+    let fit = bench.fit(subset, &[], &law, &whitener, None, 20)?;
+    if single.deviance_of(bench, subset, &fit) - single.deviance > IDLE {
+        return None;
+    }
+    let found = Scan::empty(bench, Some(single.sizes));
+    settle(bench, subset, &fit, &found).filter(|law| law.deviance < base.deviance - IDLE)
 }
 
 /// Whether what is seen beside a named cause lies so far within the tolerance of that cause's shape that no fit can lift it
