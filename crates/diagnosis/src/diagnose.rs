@@ -8,8 +8,9 @@ use crate::answer::{Diagnosis, Undecidable};
 use crate::assemble::assemble;
 use crate::bench::{Bench, Fitted};
 use crate::condense::{Condensed, condense};
+use crate::contests::contests;
 use crate::curves::{Curves, curves};
-use crate::equivalence::{Contest, contest};
+use crate::equivalence::Contest;
 use crate::excerpt::Excerpt;
 use crate::experiment::{Hypothesis, propose};
 use crate::extension::model_file;
@@ -106,11 +107,8 @@ pub fn diagnose_fully(
     }
     .ok_or(no_fit)?;
     let bench = short.as_ref().unwrap_or(&recorded);
-    let subset = selected.subset.clone();
     let integrity = inspect(campaign, selected.stand.sizes.sensor);
-    let mut contests: Vec<Contest> = (0..selected.stand.fitted.effects.len())
-        .filter_map(|k| contest(bench, &subset, &selected.stand, &selected.first, k))
-        .collect();
+    let mut contests = contests(bench, &mut selected);
     if refuse_beaten(bench, &mut selected, &contests) {
         contests.clear();
     }

@@ -13,6 +13,7 @@ mod bench;
 mod bursts;
 pub mod causes;
 mod condense;
+mod contests;
 mod curves;
 mod design;
 mod diagnose;

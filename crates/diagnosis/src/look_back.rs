@@ -11,7 +11,7 @@ use crate::subset::Subset;
 /// Exchanges of one cause for another in one look back.
 const MOST_EXCHANGES: usize = 3;
 /// Deviance that an exchange must save: parameters are paid for, and neither cause has the right of the first.
-const EXCHANGE: f64 = 1.0;
+pub(crate) const EXCHANGE: f64 = 1.0;
 /// Deviance by which a model may come out worse than promised once its own noise is estimated. Beyond that the promise was made
 /// under another's noise and does not hold: the friction that scales roughness is not the same.
 const PROMISED: f64 = 20.0;
