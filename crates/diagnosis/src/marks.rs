@@ -1,7 +1,8 @@
-//! Marks on the plate: a scratch, a seam, a spot of something, short against the travel and the same in every run.
+//! Marks on the plate: a scratch, a seam, a spot of something, short against the travel and the same in every run; or a step, from which
+//! on friction is another.
 //!
 //! Roughness fixed to the plate repeats in every run as a mark does, and is no error of a law. A mark is told from it by its
-//! size alone: friction raised or lowered by a factor over a short stretch, scored against the field's own spread. The
+//! size alone: friction raised or lowered by a factor over a short stretch, or beyond a place, scored against the field's own spread. The
 //! spread's tails are taken from the stretches themselves, as Student's t with the freedom that their quantiles show.
 
 use nalgebra::DMatrix;
@@ -16,8 +17,8 @@ use crate::stand::Stand;
 use crate::subset::Subset;
 use crate::tail::{log_chi2_tail, normal_deviate};
 
-/// Widths of a mark, in correlation lengths of the roughness.
-const WIDTHS: [f64; 2] = [2.0, 4.0];
+/// Widths of a mark, in correlation lengths of the roughness; steps are looked for at the places of the shortest.
+const WIDTHS: [f64; 3] = [1.0, 2.0, 4.0];
 /// Stretches of one width: at most this many.
 const MOST: usize = 240;
 /// Samples that must lie on a stretch.
@@ -75,7 +76,7 @@ pub(crate) fn marks(
     }
 }
 
-/// All stretches that samples lie on.
+/// All stretches that samples lie on, and what lies beyond each place.
 fn stretches(stand: &Stand, ground: &Ground, samples: &Samples, scale: &[f64]) -> Vec<Stretch> {
     let (lo, hi) = samples
         .place
@@ -84,42 +85,60 @@ fn stretches(stand: &Stand, ground: &Ground, samples: &Samples, scale: &[f64]) -
             (a.min(x), b.max(x))
         });
     let mut out = Vec::new();
-    for share in WIDTHS {
+    for (k, share) in WIDTHS.into_iter().enumerate() {
         let width = (share * stand.sizes.length).max(2.0 * (hi - lo) / MOST as f64);
         let count = (2.0 * (hi - lo) / width) as usize;
         let edges: Vec<(f64, f64)> = (0..count.saturating_sub(1))
             .map(|j| lo + 0.5 * width * j as f64)
             .map(|from| (from, from + width))
             .collect();
-        let mut columns = DMatrix::zeros(samples.len(), edges.len());
+        let mut short = DMatrix::zeros(samples.len(), edges.len());
         for (i, &x) in samples.place.iter().enumerate() {
             let last = ((x - lo) / (0.5 * width)) as usize;
             for j in last.saturating_sub(1)..=last {
                 if j < edges.len() && x >= edges[j].0 && x < edges[j].1 {
-                    columns[(i, j)] = scale[i];
+                    short[(i, j)] = scale[i];
                 }
             }
         }
-        let white = stand.whitener.whiten_columns(&columns);
-        let rows = white.nrows() + stand.prior_rows;
-        let white = white.resize_vertically(rows, 0.0);
-        for (j, &(from, to)) in edges.iter().enumerate() {
-            if columns.column(j).iter().filter(|c| **c != 0.0).count() < FEWEST {
-                continue;
-            }
-            let Some(direction) = ground.direction(&white.columns(j, 1).into_owned()) else {
-                continue;
-            };
-            let score = ground.score(&direction);
-            let sign = score.coefficients.first().map_or(0.0, |c| c.signum());
-            out.push(Stretch {
-                from,
-                to,
-                z: sign * score.z(),
+        out.extend(scored(stand, ground, &edges, &short));
+        if k == 0 {
+            let beyond = DMatrix::from_fn(samples.len(), edges.len(), |i, j| {
+                let middle = 0.5 * (edges[j].0 + edges[j].1);
+                if samples.place[i] > middle {
+                    scale[i]
+                } else {
+                    0.0
+                }
             });
+            out.extend(scored(stand, ground, &edges, &beyond));
         }
     }
     out
+}
+
+/// Signed deviates of columns, those on which too few samples lie left out.
+fn scored(
+    stand: &Stand,
+    ground: &Ground,
+    edges: &[(f64, f64)],
+    columns: &DMatrix<f64>,
+) -> Vec<Stretch> {
+    let white = stand.whitener.whiten_columns(columns);
+    let rows = white.nrows() + stand.prior_rows;
+    let white = white.resize_vertically(rows, 0.0);
+    let each = edges.iter().enumerate().filter_map(|(j, &(from, to))| {
+        let on_it = columns.column(j).iter().filter(|c| **c != 0.0).count();
+        if on_it < FEWEST || columns.nrows() - on_it < FEWEST {
+            return None;
+        }
+        let direction = ground.direction(&white.columns(j, 1).into_owned())?;
+        let score = ground.score(&direction);
+        let sign = score.coefficients.first().map_or(0.0, |c| c.signum());
+        let z = sign * score.z();
+        Some(Stretch { from, to, z })
+    });
+    each.collect()
 }
 
 /// Spread (at least 1) and freedom of the stretches' deviates, from their median and their ninth decile.
