@@ -92,38 +92,32 @@ fn singles(causes: &[&str], protocol: Protocol, ratio: f64) -> Vec<Trial> {
         .collect()
 }
 
-/// Causes that are named on a day that can tell them; what they are tied to is named with them. The list is what the
-/// diagnosis reaches today; `docs/known-gaps.md` says which causes are missing from it.
-#[test]
-fn causes_are_named_on_a_rich_day() {
-    let on_plate = [
-        "cord-compliance",
-        "stribeck-shape",
-        "velocity-strengthening",
-        "wear",
-        "thermal-softening",
-        "surface-texture",
-        "surface-gradient",
-    ];
-    let trials = singles(&on_plate, Protocol::RichTurned, 5.0);
-    assert_none(&complaints(
-        &trials,
-        &[Verdict::Right, Verdict::Tight, Verdict::Loose],
-    ));
-}
+/// The causes that are another value of the law's own parameters: only a model from elsewhere shows them.
+const THE_LAWS_OWN: [&str; 2] = ["lean-angle", "force-gain"];
 
-/// Runs every cause once and prints the verdicts; run it by name to see how far the diagnosis reaches:
-/// `cargo test --release -p whole-program --test hidden_effects -- --ignored --nocapture survey`.
+/// Every cause is named on a day that can tell it; what it is tied to is named with it. Those that the law's own parameters absorb are
+/// said to be absorbed, and are asked against a model from elsewhere below.
 #[test]
-#[ignore = "a survey: it prints verdicts and asserts only that no cause ends in an error"]
-fn survey_of_every_cause() {
+fn every_cause_is_named_on_a_rich_day() {
     let mut trials = singles(&planting::species::CAUSES, Protocol::RichTurned, 5.0);
-    trials.extend(singles(
-        &["moving-inertia", "backlash", "direction-asymmetry"],
-        Protocol::Drive,
-        5.0,
-    ));
-    println!("{}", complaints(&trials, &[]).join("\n"));
+    for trial in &mut trials {
+        // A gain for each load lives between runs only: two loads in a few runs leave it to the scatter.
+        if trial.case.planted[0].id == "load-dependence" {
+            trial.case.protocol = Protocol::Loads;
+        }
+    }
+    let named = [Verdict::Right, Verdict::Tight, Verdict::Loose];
+    let verdicts = verdicts(&trials);
+    assert_eq!(verdicts.len(), planting::species::CAUSES.len());
+    let wrong = verdicts.iter().zip(planting::species::CAUSES);
+    let wrong: Vec<String> = wrong
+        .filter(|((verdict, _), cause)| match verdict {
+            Some(verdict) => !named.contains(verdict),
+            None => !THE_LAWS_OWN.contains(cause),
+        })
+        .map(|((_, line), _)| line.clone())
+        .collect();
+    assert_none(&wrong);
 }
 
 /// On the paper's protocol a constant force, a tilt and crosstalk are one thing: the answer is the set.
@@ -169,14 +163,12 @@ fn nothing_is_found_where_nothing_is() {
     assert!(refused <= 1, "{verdicts:?}");
 }
 
-/// What no cause of the catalogue makes is reported as unexplained, without a name. The list is what the diagnosis
-/// reaches today; `docs/known-gaps.md` names the alien that is missing from it.
+/// What no cause of the catalogue makes is reported as unexplained, without a name.
 #[test]
 fn aliens_are_refused() {
     let trials: Vec<Trial> = planting::species::ALIENS
         .iter()
         .enumerate()
-        .filter(|(_, alien)| **alien != "alien-plate-step")
         .map(|(i, alien)| {
             let case =
                 Case::one(alien, 1.0, Protocol::Rich, SEED + 200 + i as u64).of_specimen(SEED);

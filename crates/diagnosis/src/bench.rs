@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use campaign::Campaign;
-use fitting::noise::{EstimateOptions, NoiseModel, Sizes, Whitener, estimate};
+use fitting::noise::{EstimateOptions, NoiseModel, Search, Sizes, Whitener, estimate};
 use fitting::{Bounds, Options as SolverOptions, Residuals, minimise};
 use friction::LawKind;
 use nalgebra::{DMatrix, DVector};
@@ -380,7 +380,7 @@ impl<'a> Bench<'a> {
         fitted: &Fitted,
         jacobian: &DMatrix<f64>,
         within: &DMatrix<f64>,
-        start: Option<Sizes>,
+        search: Search,
     ) -> NoiseModel {
         let context = subset.context_of(self, fitted);
         let residual =
@@ -393,7 +393,7 @@ impl<'a> Bench<'a> {
             &EstimateOptions {
                 stated_sensor: self.stated_sensor,
                 repeats: self.repeats,
-                start,
+                search,
                 uncertainty: false,
                 smooth: true,
             },

@@ -6,7 +6,7 @@
 //! 4. Before a second cause stays, every other cause is asked to do better alone than the pair (the near miss), and
 //!    each cause of the set to do without, or to be replaced.
 
-use fitting::noise::Sizes;
+use fitting::noise::{Search, Sizes};
 
 use crate::afresh::{STRONG, afresh};
 use crate::bench::{Bench, Fitted};
@@ -151,11 +151,20 @@ pub(crate) fn under_its_noise(
 ) -> Option<Stand> {
     let mut sizes = first_sizes;
     let mut stand = Stand::new(bench, subset, fitted, sizes);
-    let rounds = if known { 1 } else { 2 };
-    for round in 0..rounds {
-        let start = (known || round > 0).then_some(sizes);
+    let rounds: &[fn(Sizes) -> Search] = if known {
+        &[Search::Again]
+    } else {
+        &[|_| Search::Near, Search::Onward]
+    };
+    for search in rounds {
         let smooth = smooth_beside(bench, &stand.fitted);
-        let noise = bench.noise(subset, &stand.fitted, &stand.jacobian, &smooth, start);
+        let noise = bench.noise(
+            subset,
+            &stand.fitted,
+            &stand.jacobian,
+            &smooth,
+            search(sizes),
+        );
         sizes = noise.sizes;
         stand = refit(bench, subset, &stand.fitted, &sizes)?;
     }
@@ -445,6 +454,7 @@ pub(crate) fn settle(
     found: &Scan,
 ) -> Option<Stand> {
     let (jacobian, _) = bench.jacobian(subset, fit);
-    let noise = bench.noise(subset, fit, &jacobian, &found.smooth, found.sizes);
+    let search = found.sizes.map_or(Search::Scratch, Search::Again);
+    let noise = bench.noise(subset, fit, &jacobian, &found.smooth, search);
     refit(bench, subset, fit, &noise.sizes)
 }

@@ -8,7 +8,9 @@
 //! the noise would swallow the law, and weights made from it would trade levels for details. Such a law is fitted with
 //! plain weights, and its answer says so ([`Weighting::Plain`]).
 
-use fitting::noise::{EstimateOptions, NoiseModel, ScatterEvidence, Sizes, Whitener, estimate};
+use fitting::noise::{
+    EstimateOptions, NoiseModel, ScatterEvidence, Search, Sizes, Whitener, estimate,
+};
 use fitting::{Bounds, Fit, Options, Residuals, Status, minimise, multi_start};
 use nalgebra::DMatrix;
 use rig::{Experiment, Model};
@@ -239,7 +241,7 @@ impl Task<'_> {
         let residual = self.problem(None).difference(predicted);
         let mut options = self.noise_options.clone();
         if let Some(former) = former {
-            options.start = Some(former.sizes);
+            options.search = Search::Again(former.sizes);
         }
         let nothing = DMatrix::zeros(residual.len(), 0);
         let model = estimate(&context, &residual, &jacobian, &nothing, &options);

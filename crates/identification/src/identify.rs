@@ -2,7 +2,7 @@
 
 use campaign::Campaign;
 use fitting::criteria::{aicc, t_quantile};
-use fitting::noise::{EstimateOptions, NoiseModel};
+use fitting::noise::{EstimateOptions, NoiseModel, Search};
 use fitting::{Bounds, Identifiability, Residuals, Side, Status, Verdict, identifiability};
 use friction::{LawKind, ParameterSpec};
 use nalgebra::DMatrix;
@@ -300,7 +300,7 @@ pub(crate) fn noise_options(campaign: &Campaign) -> EstimateOptions {
     EstimateOptions {
         stated_sensor: stated,
         repeats: campaign.conditions().iter().any(|c| c.len() > 1),
-        start: None,
+        search: Search::Scratch,
         uncertainty: false,
         smooth: false,
     }

@@ -1,7 +1,7 @@
 //! How good a fit is, honestly: its residual beside what repeats scatter, and a test of what is left.
 
 use campaign::{Campaign, Run};
-use fitting::noise::{Context, EstimateOptions, NoiseModel, Whitener, estimate};
+use fitting::noise::{Context, EstimateOptions, NoiseModel, Search, Whitener, estimate};
 use nalgebra::{DMatrix, DVector};
 use rig::Experiment;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
@@ -159,7 +159,7 @@ pub(crate) fn lack_of_fit(
 ) -> LackOfFit {
     let extra = departures(experiment, &context.scale);
     let options = EstimateOptions {
-        start: Some(noise.sizes),
+        search: Search::Again(noise.sizes),
         ..options.clone()
     };
     let mut sizes = estimate(context, residual, jacobian, &extra, &options).sizes;

@@ -19,13 +19,41 @@ pub struct EstimateOptions {
     pub stated_sensor: Option<f64>,
     /// Whether the campaign has repeats.
     pub repeats: bool,
-    /// Sizes to start from (a former estimate on nearly the same data).
-    pub start: Option<Sizes>,
+    /// Where the search begins and how far it goes.
+    pub search: Search,
     /// Whether the standard deviations of the sizes are wanted (they cost some thirty evaluations).
     pub uncertainty: bool,
     /// Whether the roughness may be smoother than exponential. Where nothing else is asked what a law leaves, such roughness also
     /// swallows structure that the law misses.
     pub smooth: bool,
+}
+
+/// Where the search for the sizes begins and how far it goes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Search {
+    /// Nothing is known: from the best of a grid, as far as the likelihood tells.
+    #[default]
+    Scratch,
+    /// The same, but only so near as a coarse grid brings it, with exponential roughness: another estimate follows.
+    Near,
+    /// From sizes found near, as far as the likelihood tells.
+    Onward(Sizes),
+    /// From sizes found on nearly the same data: smoothing counts only where it is seen at once.
+    Again(Sizes),
+}
+
+impl Search {
+    /// Sizes to start from.
+    fn start(self) -> Option<Sizes> {
+        match self {
+            Self::Scratch | Self::Near => None,
+            Self::Onward(sizes) | Self::Again(sizes) => Some(sizes),
+        }
+    }
+
+    fn is_thorough(self) -> bool {
+        !matches!(self, Self::Again(_))
+    }
 }
 
 /// The sizes of a campaign's noise, and how well they are known.
@@ -86,10 +114,11 @@ pub fn estimate(
 
     let start = frame.best_start(&criterion, options);
     let mut evaluations = frame.starts;
-    let mut minimum = frame.search(&criterion, start, options.start.is_none(), &mut evaluations);
+    let mut minimum = frame.search(&criterion, start, options.search, &mut evaluations);
     // What rows are the means of is known of exponential roughness only.
-    if options.smooth && minimum.point.len() == SMOOTHING && context.rows.is_empty() {
-        let thorough = options.start.is_none();
+    let exponential = minimum.point.len() == SMOOTHING && options.search != Search::Near;
+    if options.smooth && exponential && context.rows.is_empty() {
+        let thorough = options.search.is_thorough();
         minimum = frame.smoother(&criterion, minimum, thorough, &mut evaluations);
     }
     let spacing = frame.sizes(&minimum.point).node_spacing();
@@ -216,7 +245,11 @@ impl Frame {
     }
 
     fn counting(mut self, options: &EstimateOptions) -> Self {
-        self.starts = if options.start.is_some() { 0 } else { 8 };
+        self.starts = if options.search.start().is_some() {
+            0
+        } else {
+            8
+        };
         self
     }
 
@@ -237,9 +270,10 @@ impl Frame {
         &self,
         criterion: &Criterion<'_>,
         mut start: Vec<f64>,
-        far: bool,
+        search: Search,
         evaluations: &mut usize,
     ) -> search::Minimum {
+        let far = search.start().is_none();
         let mut bounds = self.bounds.clone();
         bounds.truncate(start.len());
         let mut again = true;
@@ -249,8 +283,11 @@ impl Frame {
             let on = |spacing: f64| move |x: &[f64]| criterion.value(&self.sizes(x), spacing);
             let mut inverse = None;
             if far {
-                let near = search::minimise(&on(COARSE * spacing), &start, &bounds, 25);
+                let near = self.near(criterion, &start, COARSE * spacing);
                 *evaluations += near.evaluations;
+                if search == Search::Near {
+                    return near;
+                }
                 (start, inverse) = (near.point, Some(near.inverse));
             }
             let found = search::minimise_from(&on(spacing), &start, inverse, &bounds, 25);
@@ -263,6 +300,13 @@ impl Frame {
             start = found.point;
             again = false;
         }
+    }
+
+    /// The likeliest sizes on one grid.
+    fn near(&self, criterion: &Criterion<'_>, start: &[f64], spacing: f64) -> search::Minimum {
+        let bounds = &self.bounds[..start.len()];
+        let on_grid = |x: &[f64]| criterion.value(&self.sizes(x), spacing);
+        search::minimise(&on_grid, start, bounds, 25)
     }
 
     /// Roughness that is smoother than exponential, where that is likelier than `plain`. Unless the search is thorough a smoothing
@@ -298,7 +342,20 @@ impl Frame {
         let Some((_, point)) = likelier else {
             return plain;
         };
-        let found = self.search(criterion, point, thorough, evaluations);
+        let from = if thorough {
+            let coarse = COARSE * self.sizes(&point).node_spacing();
+            let near = self.near(criterion, &point, coarse);
+            *evaluations += near.evaluations + 1;
+            // What is not seen there at all will not be worth its price on a finer grid.
+            if near.value > on_grid(&plain.point, coarse) - 0.5 * WORTH_SMOOTHING {
+                return plain;
+            }
+            near.point
+        } else {
+            point
+        };
+        let again = Search::Again(self.sizes(&from));
+        let found = self.search(criterion, from, again, evaluations);
         let spacing = self.sizes(&found.point).node_spacing();
         let own = on_grid(&found.point, spacing);
         let saves = |plain: f64| own < plain - WORTH_SMOOTHING;
@@ -315,7 +372,7 @@ impl Frame {
 
     /// The former sizes, or the best of a coarse grid over length and share of the sensor noise.
     fn best_start(&self, criterion: &Criterion<'_>, options: &EstimateOptions) -> Vec<f64> {
-        if let Some(s) = options.start {
+        if let Some(s) = options.search.start() {
             let log = |x: f64, k: usize| {
                 let (lo, hi) = self.bounds[k];
                 x.max(f64::MIN_POSITIVE).ln().clamp(lo + 2.0, hi)

@@ -39,7 +39,7 @@ mod whitener;
 pub use averaged::Averaged;
 pub use channel::Channel;
 pub use context::{Context, Sizes};
-pub use estimate::{EstimateOptions, NoiseModel, estimate};
+pub use estimate::{EstimateOptions, NoiseModel, Search, estimate};
 pub use lag::{Lag, left_s};
 pub use ring::{Ring, Spring};
 pub use roughness::Roughness;
