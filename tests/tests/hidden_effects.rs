@@ -163,18 +163,45 @@ fn nothing_is_found_where_nothing_is() {
     assert!(refused <= 1, "{verdicts:?}");
 }
 
-/// What no cause of the catalogue makes is reported as unexplained, without a name.
+/// What no cause of the catalogue makes is reported as unexplained, without a name. A lean that rocks at random times is, at five
+/// thresholds of one who knows the times, no larger than the roughness: there it may be missed, but not named.
 #[test]
 fn aliens_are_refused() {
-    let trials: Vec<Trial> = planting::species::ALIENS
-        .iter()
-        .enumerate()
-        .map(|(i, alien)| {
-            let case =
-                Case::one(alien, 1.0, Protocol::Rich, SEED + 200 + i as u64).of_specimen(SEED);
-            trial(Group::Alien, case, 5.0, None)
-        })
-        .collect();
+    let alien = |id: &str, place: u64, ratio: f64| {
+        let case = Case::one(id, 1.0, Protocol::Rich, SEED + 200 + place).of_specimen(SEED);
+        trial(Group::Alien, case, ratio, None)
+    };
+    let (mut seen, mut faint) = (Vec::new(), Vec::new());
+    for (id, place) in planting::species::ALIENS.iter().zip(0..) {
+        if *id == "alien-loose-clamp" {
+            faint.push(alien(id, place, 5.0));
+            seen.push(alien(id, place, 10.0));
+        } else {
+            seen.push(alien(id, place, 5.0));
+        }
+    }
+    let mut wrong = complaints(&seen, &[Verdict::Right]);
+    wrong.extend(complaints(&faint, &[Verdict::Right, Verdict::Missed]));
+    assert_none(&wrong);
+}
+
+/// Shapes that the catalogue knows in a form of its own: an oscillation of the load that goes on between the runs, ageing that sliding
+/// wears off, a play that a run finds as the one before left it.
+#[test]
+fn second_forms_are_named_like_the_first() {
+    let second = |id: &str, protocol, place: u64| {
+        let case = Case::nothing(protocol, NoiseKind::Usual, SEED + 240 + place)
+            .of_specimen(SEED)
+            .with(id, 1.0, true);
+        trial(Group::SecondShape, case, 5.0, None)
+    };
+    let trials = [
+        second("load-oscillation", Protocol::PaperBlocked, 0),
+        second("load-oscillation", Protocol::Rich, 1),
+        second("dwell-ageing", Protocol::PaperAlternating, 2),
+        second("dwell-ageing", Protocol::Rich, 3),
+        second("backlash", Protocol::PaperAlternating, 4),
+    ];
     assert_none(&complaints(&trials, &[Verdict::Right]));
 }
 

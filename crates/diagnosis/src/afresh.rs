@@ -175,6 +175,18 @@ fn healthy_noise(bench: &Bench<'_>, subset: &Subset) -> Whitener {
     Whitener::new(&context, &sizes)
 }
 
+/// Of each cause the best of its forms: forms of one cause do not keep another one from being looked at.
+fn better_forms(bench: &Bench<'_>, fits: Vec<(usize, Fitted)>) -> Vec<(usize, Fitted)> {
+    let mut kept: Vec<(usize, Fitted)> = Vec::new();
+    for (cause, fit) in fits {
+        let id = bench.catalogue[cause].id();
+        if kept.iter().all(|(k, _)| bench.catalogue[*k].id() != id) {
+            kept.push((cause, fit));
+        }
+    }
+    kept
+}
+
 /// A cause's own starts: what the scan suggests, then plausible sizes over its shapes, evenly chosen.
 fn own_starts(
     bench: &Bench<'_>,
@@ -250,7 +262,7 @@ impl Search<'_> {
             .map(|(fit, tries)| (tries.cause, self.fitted_on(fit, &tries)))
             .collect();
         rough.sort_by(|a, b| by_worth(bench, (a.0, &a.1), (b.0, &b.1)));
-        rough
+        better_forms(bench, rough)
     }
 
     /// Parameters of the stand's model: where it stands, and its law at starts that the record suggests.

@@ -58,6 +58,12 @@ impl Fitted {
         self.friction
             .get_or_init(|| self.model.friction(&bench.experiment, &self.parameters))
     }
+
+    /// Whether the model holds a cause, in this form or another one.
+    pub(crate) fn names(&self, bench: &Bench<'_>, cause: usize) -> bool {
+        let id = bench.catalogue[cause].id();
+        self.effects.iter().any(|&e| bench.catalogue[e].id() == id)
+    }
 }
 
 /// Steps of a cord for each sample: what sticks and slips too fast for them is not in the record, and most of a search would be spent

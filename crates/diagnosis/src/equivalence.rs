@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 use crate::bench::{Bench, Fitted};
 use crate::ground::{Ground, orthonormal};
-use crate::joint::is_dear;
+use crate::joint::{is_dear, is_second_form};
 use crate::look_back::without;
 use crate::scan::{Ray, Scan, extended, scan_without};
 use crate::stand::Stand;
@@ -30,6 +30,9 @@ pub(crate) const SEPARABLE: f64 = 4.7;
 const NO_IMITATION: f64 = 0.9;
 /// Excess deviance at which a fit contradicts a distance below [`SEPARABLE`]: its square is 22, twice its root's spread 19 more.
 const CONTRADICTED: f64 = 60.0;
+/// The same for a second form of a cause: a more special assumption is held to what the data say of it. One in six hundred of one
+/// parameter more.
+const CONTRADICTED_FORM: f64 = 10.0;
 /// Starts and steps of a rival's fit.
 const RIVAL_FITS: (usize, u64) = (3, 12);
 /// Rivals with distances up to this are fitted to the data.
@@ -39,6 +42,8 @@ const NEAR: f64 = 8.0;
 #[derive(Clone)]
 pub(crate) struct Opponent {
     pub(crate) cause: usize,
+    /// Whether the catalogue has it in a plainer form too.
+    second_form: bool,
     /// D_r of (D3).
     pub(crate) separation: f64,
     /// -2 log likelihood of the campaign with the rival in the cause's place less that with the cause.
@@ -62,7 +67,14 @@ impl Contest {
     pub(crate) fn tied(&self) -> Vec<usize> {
         let reach = SEPARABLE.min(NO_IMITATION * self.length);
         // A signature knows neither bounds nor signs: what was fitted in the cause's place and fits far worse is no imitation.
-        let fails = |o: &Opponent| o.fitted.is_some() && o.excess_deviance > CONTRADICTED;
+        let fails = |o: &Opponent| {
+            let most = if o.second_form {
+                CONTRADICTED_FORM
+            } else {
+                CONTRADICTED
+            };
+            o.fitted.is_some() && o.excess_deviance > most
+        };
         self.opponents
             .iter()
             .filter(|o| o.separation < reach && !fails(o))
@@ -139,6 +151,7 @@ pub(crate) fn contest(
         .unwrap_or(length);
         opponents.push(Opponent {
             cause: candidate.cause,
+            second_form: is_second_form(bench, candidate.cause),
             separation,
             excess_deviance: f64::INFINITY,
             fitted: None,

@@ -1,5 +1,7 @@
 //! Joint fits: the law, what is named, and one more cause together.
 
+use std::collections::BTreeSet;
+
 use fitting::noise::Whitener;
 use rayon::prelude::*;
 
@@ -157,21 +159,34 @@ fn price(bench: &Bench<'_>, fit: &(usize, Fitted, f64)) -> f64 {
     fit.2 + search_price(bench, fit.0)
 }
 
-/// What a cause pays for its parameters and, where its period is searched, for the search; a second form of the same cause for
+/// What a cause pays for its parameters and, where its period is searched, for the search, which by the clock of the day is hundreds
+/// of times finer; a second form of the same cause for
 /// not being the plain one.
 pub(crate) fn search_price(bench: &Bench<'_>, cause: usize) -> f64 {
     const SEARCH: f64 = 10.0;
     const SECOND_FORM: f64 = 4.0;
     let effect = &bench.catalogue[cause];
-    let search = if effect.is_periodic() { SEARCH } else { 0.0 };
-    let plain = bench.catalogue[..cause]
-        .iter()
-        .all(|other| other.id() != effect.id());
-    let form = if plain { 0.0 } else { SECOND_FORM };
+    let search = match (effect.is_periodic(), effect.goes_on_between_runs()) {
+        (true, false) => SEARCH,
+        (true, true) => 2.0 * SEARCH,
+        (false, _) => 0.0,
+    };
+    let form = if is_second_form(bench, cause) {
+        SECOND_FORM
+    } else {
+        0.0
+    };
     2.0 * effect.parameters().len() as f64 + search + form
 }
 
-/// Candidates that deserve a joint fit: all that pass, and those that come near the best.
+/// Whether a cause stands in the catalogue in a plainer form before.
+pub(crate) fn is_second_form(bench: &Bench<'_>, cause: usize) -> bool {
+    let id = bench.catalogue[cause].id();
+    let before = &bench.catalogue[..cause];
+    before.iter().any(|other| other.id() == id)
+}
+
+/// Candidates that deserve a joint fit: all that pass, and those that come near the best, `most` causes in whatever forms.
 pub(crate) fn survivors<'a>(
     bench: &Bench<'_>,
     found: &'a Scan,
@@ -179,6 +194,7 @@ pub(crate) fn survivors<'a>(
     most: usize,
 ) -> Vec<&'a Candidate> {
     let best = found.candidates.first().map_or(0.0, |c| c.score.z());
+    let mut ids: BTreeSet<&str> = BTreeSet::new();
     found
         .candidates
         .iter()
@@ -189,7 +205,10 @@ pub(crate) fn survivors<'a>(
             near && (*place < 2 || !is_dear(bench, c.cause) || z > 0.95 * best)
         })
         .map(|(_, c)| c)
-        .take(most)
+        .take_while(move |c| {
+            ids.insert(bench.catalogue[c.cause].id());
+            ids.len() <= most
+        })
         .collect()
 }
 

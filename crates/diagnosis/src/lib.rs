@@ -12,6 +12,7 @@ mod assemble;
 mod bench;
 mod bursts;
 pub mod causes;
+mod comb;
 mod condense;
 mod contests;
 mod curves;

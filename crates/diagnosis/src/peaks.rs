@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use rig::Reach;
 
 use crate::bench::Bench;
+use crate::comb::Comb;
 use crate::periodic::{Family, Information, Peak};
 use crate::samples::Samples;
 use crate::scan::{period, tangent};
@@ -33,7 +34,7 @@ pub(crate) struct Peaks {
 /// speed, whose envelope is that of the middle of an octave.
 const MOST_LINES: usize = 5;
 const MOST_LINES_OF_SPEED: usize = 8;
-/// Spacings below which a frequency is slow: 8 periods over the longest stretch, which the law absorbs in part; for a ripple of the
+/// Half cycles over the longest stretch below which a frequency is slow: 8 periods over the longest stretch, which the law absorbs in part; for a ripple of the
 /// speed 32, because what it does in the moments after a start tells one phase only.
 const SLOW: f64 = 16.0;
 const SLOW_OF_SPEED: f64 = 64.0;
@@ -50,7 +51,7 @@ impl Peaks {
 
     pub(crate) fn find(bench: &Bench<'_>, subset: &Subset, stand: &Stand, scatter: f64) -> Self {
         let causes: Vec<usize> = (0..bench.catalogue.len())
-            .filter(|c| bench.catalogue[*c].is_periodic() && !stand.fitted.effects.contains(c))
+            .filter(|c| bench.catalogue[*c].is_periodic() && !stand.fitted.names(bench, *c))
             .collect();
         if causes.is_empty() {
             return Self::none();
@@ -149,10 +150,11 @@ fn families<'a>(
     cause: usize,
 ) -> Option<Vec<Family<'a>>> {
     let (shape, in_time) = period(bench, cause)?;
-    let coordinate = if in_time {
-        &samples.time
-    } else {
-        &samples.place
+    let goes_on = bench.catalogue[cause].goes_on_between_runs();
+    let coordinate = match (in_time, goes_on) {
+        (true, true) => &samples.clock,
+        (true, false) => &samples.time,
+        (false, _) => &samples.place,
     };
     let (span, step) = (
         longest(samples, coordinate),
@@ -168,6 +170,8 @@ fn families<'a>(
         Reach::Stage => SLOW_OF_SPEED,
         _ => SLOW,
     };
+    // Half a cycle over the longest stretch; half of that where runs are put together in between.
+    let spacing = if goes_on { 0.25 } else { 0.5 } / span;
     anchors(bench, cause, band, 30.0 / span)
         .into_iter()
         .map(|(anchor, band)| {
@@ -177,8 +181,9 @@ fn families<'a>(
                 along,
                 across,
                 band,
-                spacing: 0.5 / span,
-                slow,
+                spacing,
+                slow: slow * 0.5 / span,
+                comb: goes_on.then(|| Comb::new(&samples.runs, coordinate, spacing)),
             })
         })
         .collect()
@@ -194,7 +199,7 @@ fn highest(mut peaks: Vec<(&Family<'_>, Peak)>, g: &DVector<f64>, most: usize) -
         if taken.len() == most && MOST_RISE * rough.height() < lowest {
             break;
         }
-        sharp.push((family.spacing, family.sharpened(&rough, g)));
+        sharp.push((family.fine_spacing(), family.sharpened(&rough, g)));
         sharp.sort_by(|a, b| b.1.height().total_cmp(&a.1.height()));
         taken.clear();
         for (spacing, peak) in &sharp {

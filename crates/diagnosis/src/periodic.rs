@@ -15,9 +15,11 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+use crate::comb::Comb;
+
 /// A family of periodic effects that share an envelope and a coordinate.
 pub(crate) struct Family<'a> {
-    /// Position in m or time in s, a sample.
+    /// Position in m or time in s (of the run, or of the day), a sample.
     pub(crate) coordinate: &'a [f64],
     /// What the period multiplies, in phase with it.
     pub(crate) along: Vec<f64>,
@@ -25,10 +27,12 @@ pub(crate) struct Family<'a> {
     pub(crate) across: Vec<f64>,
     /// Lowest and highest frequency, 1/m or Hz.
     pub(crate) band: (f64, f64),
-    /// Spacing of frequencies: half a cycle over the longest stretch.
+    /// Spacing of frequencies: half a cycle over the longest stretch, or less.
     pub(crate) spacing: f64,
-    /// Frequencies below so many spacings are slow: A is computed at each of them.
+    /// Frequencies below it are slow: A is computed at each of them.
     pub(crate) slow: f64,
+    /// Where the phase goes on between the runs: frequencies between those at which each run is looked at.
+    pub(crate) comb: Option<Comb>,
 }
 
 /// A frequency at which the residual has a line.
@@ -78,7 +82,7 @@ impl Peak {
 }
 
 impl Family<'_> {
-    /// The number of frequencies searched.
+    /// The number of frequencies at which a run is looked at.
     pub(crate) fn count(&self) -> usize {
         let span = self.band.1 - self.band.0;
         if !(span > 0.0) || !(self.spacing > 0.0) {
@@ -89,7 +93,25 @@ impl Family<'_> {
 
     /// How many of the frequencies, from the lowest on, are so slow that the law absorbs some of them.
     fn slow(&self) -> usize {
-        (self.slow - self.band.0 / self.spacing).max(0.0) as usize
+        ((self.slow - self.band.0) / self.spacing).max(0.0) as usize
+    }
+
+    /// Frequencies searched for each at which a run is looked at.
+    fn teeth(&self) -> usize {
+        self.comb.as_ref().map_or(1, |comb| comb.teeth)
+    }
+
+    /// Spacing of all frequencies searched.
+    pub(crate) fn fine_spacing(&self) -> f64 {
+        self.spacing / self.teeth() as f64
+    }
+
+    /// u of all frequencies searched.
+    fn all_scores(&self, count: usize, g: &DVector<f64>) -> Vec<(f64, f64)> {
+        match &self.comb {
+            None => self.scores(count, g),
+            Some(comb) => comb.scores(self, count, g),
+        }
     }
 
     /// Cosine and sine columns of one frequency.
@@ -105,7 +127,7 @@ impl Family<'_> {
     }
 
     /// u of one frequency.
-    fn score(&self, frequency: f64, g: &DVector<f64>) -> (f64, f64) {
+    pub(crate) fn score(&self, frequency: f64, g: &DVector<f64>) -> (f64, f64) {
         let (mut a, mut b) = (0.0, 0.0);
         for i in 0..self.along.len() {
             let (sin, cos) = (std::f64::consts::TAU * frequency * self.coordinate[i]).sin_cos();
@@ -117,7 +139,7 @@ impl Family<'_> {
     }
 
     /// u of all frequencies: within a stretch of them each sample's phase turns by a fixed angle a frequency.
-    fn scores(&self, count: usize, g: &DVector<f64>) -> Vec<(f64, f64)> {
+    pub(crate) fn scores(&self, count: usize, g: &DVector<f64>) -> Vec<(f64, f64)> {
         const STRETCH: usize = 64;
         let weighed = |envelope: &[f64]| -> Vec<f64> {
             envelope.iter().zip(g.iter()).map(|(e, g)| e * g).collect()
@@ -189,13 +211,18 @@ impl Family<'_> {
                 }
             })
             .collect();
-        let values: Vec<f64> = (self.scores(count, g).into_iter().zip(&at_grid))
-            .map(|(u, information)| information.statistic(u))
+        let teeth = self.teeth();
+        let between = |j: usize| match (j / teeth, j % teeth) {
+            (i, 0) => at_grid[i],
+            (i, tooth) => at_grid[i].between(at_grid[i + 1], tooth as f64 / teeth as f64),
+        };
+        let values: Vec<f64> = (self.all_scores(count, g).into_iter().enumerate())
+            .map(|(j, u)| between(j).statistic(u))
             .collect();
-        let mut order: Vec<usize> = (0..count)
+        let mut order: Vec<usize> = (0..values.len())
             .filter(|&i| {
                 (i == 0 || values[i] >= values[i - 1])
-                    && (i + 1 == count || values[i] > values[i + 1])
+                    && (i + 1 == values.len() || values[i] > values[i + 1])
             })
             .collect();
         order.sort_by(|&a, &b| values[b].total_cmp(&values[a]));
@@ -203,10 +230,10 @@ impl Family<'_> {
             .into_iter()
             .take(most)
             .map(|i| Peak {
-                frequency: at(i),
+                frequency: self.band.0 + self.fine_spacing() * i as f64,
                 statistic: values[i],
-                background: background(&values, i),
-                information: at_grid[i],
+                background: background(&values, i, teeth),
+                information: between(i),
             })
             .collect()
     }
@@ -225,11 +252,12 @@ impl Family<'_> {
     /// Golden section over one spacing each way, to a hundredth of it: a joint fit goes on from there.
     fn summit(&self, frequency: f64, height: &dyn Fn(f64) -> f64) -> f64 {
         let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
-        let mut lo = (frequency - self.spacing).max(0.5 * self.band.0);
-        let mut hi = frequency + self.spacing;
+        let spacing = self.fine_spacing();
+        let mut lo = (frequency - spacing).max(0.5 * self.band.0);
+        let mut hi = frequency + spacing;
         let (mut a, mut b) = (hi - ratio * (hi - lo), lo + ratio * (hi - lo));
         let (mut at_a, mut at_b) = (height(a), height(b));
-        while hi - lo > 0.01 * self.spacing {
+        while hi - lo > 0.01 * spacing {
             if at_a > at_b {
                 (hi, b, at_b) = (b, a, at_a);
                 a = hi - ratio * (hi - lo);
@@ -246,7 +274,7 @@ impl Family<'_> {
     /// Path length of the search on the unit sphere, from above: a column turns by 2 pi (spread of the coordinate) a
     /// unit of frequency, the spread is at most half of the longest stretch, and one spacing is half a cycle over it.
     pub(crate) fn path(&self) -> f64 {
-        self.count() as f64 * std::f64::consts::FRAC_PI_2
+        (self.count() * self.teeth()) as f64 * std::f64::consts::FRAC_PI_2
     }
 }
 
@@ -257,14 +285,15 @@ const MEDIAN: f64 = 1.386;
 const CHANCE: f64 = 1.25;
 
 /// The background at a place among statistics. Roughness of another kind than assumed (smoothed by a slow sensor, say) stands high
-/// over whole bands, where some line then stands highest of all.
-fn background(values: &[f64], i: usize) -> f64 {
-    let near = i.saturating_sub(NEIGHBOURS)..(i + NEIGHBOURS + 1).min(values.len());
+/// over whole bands, where some line then stands highest of all. Neighbours are `apart` values apart.
+fn background(values: &[f64], i: usize, apart: usize) -> f64 {
+    let below = (i / apart).min(NEIGHBOURS);
+    let near = values[i - below * apart..].iter().step_by(apart);
+    let mut near: Vec<f64> = near.take(below + NEIGHBOURS + 1).copied().collect();
     // Among few neighbours a line and its own flanks are the median.
     if near.len() < NEIGHBOURS {
         return 1.0;
     }
-    let mut near: Vec<f64> = values[near].to_vec();
     near.sort_by(f64::total_cmp);
     (near[near.len() / 2] / (MEDIAN * CHANCE)).max(1.0)
 }

@@ -1,6 +1,6 @@
 //! When names are taken back: a refusal beats a wrong name.
 
-use rig::Station;
+use rig::{Reach, Station};
 
 use crate::bench::Bench;
 use crate::equivalence::{Contest, Opponent};
@@ -63,7 +63,12 @@ fn refuse_uneven(bench: &Bench<'_>, selected: &mut Selected) {
 /// (Beside a model from elsewhere the law is known.)
 fn refuse_another_law(bench: &Bench<'_>, selected: &mut Selected) {
     let effects = &selected.stand.fitted.effects;
-    let of_the_law = |cause: &&usize| bench.catalogue[**cause].station() == Station::Law;
+    // Ageing over rests that are all alike is no more than another start of every run.
+    let rests_are_alike = !bench.experiment.has_two_rests();
+    let of_the_law = |cause: &&usize| {
+        let cause = &bench.catalogue[**cause];
+        cause.station() == Station::Law || (cause.reach() == Reach::RestGain && rests_are_alike)
+    };
     if bench.prior.is_none() && effects.iter().filter(of_the_law).count() > 1 {
         take_all_back(bench, selected);
     }

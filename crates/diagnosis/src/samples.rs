@@ -14,6 +14,8 @@ pub(crate) struct Samples {
     pub(crate) owner: Vec<usize>,
     /// Time since the start of the run, s.
     pub(crate) time: Vec<f64>,
+    /// Time since the first run began, s; that of the run where the day's clock is not recorded.
+    pub(crate) clock: Vec<f64>,
     /// Velocity, m/s.
     pub(crate) velocity: Vec<f64>,
     /// Stage coordinate, m.
@@ -44,6 +46,7 @@ impl Samples {
             runs: Vec::new(),
             owner: Vec::new(),
             time: Vec::new(),
+            clock: Vec::new(),
             velocity: Vec::new(),
             place: Vec::new(),
             sliding: Vec::new(),
@@ -58,6 +61,9 @@ impl Samples {
             loaded,
             averaged: Vec::new(),
         };
+        let starts: Option<Vec<f64>> = campaign.runs.iter().map(|run| run.started_s).collect();
+        let starts = starts.unwrap_or_else(|| vec![0.0; campaign.runs.len()]);
+        let first = starts.iter().copied().fold(f64::INFINITY, f64::min);
         for (k, run) in campaign.runs.iter().enumerate() {
             let start = out.time.len();
             let n = run.time_s.len();
@@ -72,6 +78,7 @@ impl Samples {
                 }
                 out.owner.push(k);
                 out.time.push(run.time_s[i] - run.time_s[0]);
+                out.clock.push(starts[k] - first + run.time_s[i]);
                 out.velocity.push(run.velocity_m_s[i]);
                 out.place
                     .push(run.position_m.as_ref().map_or(place, |p| p[i]));
@@ -133,6 +140,7 @@ impl Samples {
             runs: ranges.to_vec(),
             owner,
             time: pick(&self.time),
+            clock: pick(&self.clock),
             velocity: pick(&self.velocity),
             place: pick(&self.place),
             sliding: pick(&self.sliding),

@@ -11,7 +11,7 @@ use rig::Model;
 
 use crate::bench::{Bench, Fitted};
 use crate::ground::{Direction, Score, angle, look_elsewhere};
-use crate::joint::is_dear;
+use crate::joint::{is_dear, is_second_form};
 use crate::peaks::{Line, Peaks};
 use crate::stand::Stand;
 use crate::subset::Subset;
@@ -224,7 +224,10 @@ pub(crate) fn smooth_beside(bench: &Bench<'_>, fitted: &Fitted) -> DMatrix<f64> 
     let tasks: Vec<Task> = tasks(bench, fitted, &Peaks::none(), &[])
         .tasks
         .into_iter()
-        .filter(|(cause, _, is_chord)| !is_chord && !bench.catalogue[*cause].is_periodic())
+        .filter(|(cause, _, is_chord)| {
+            let plain = !is_second_form(bench, *cause);
+            !is_chord && plain && !bench.catalogue[*cause].is_periodic()
+        })
         .collect();
     // A cause's further shapes are only asked where its first has no finite tangent.
     let groups: Vec<&[Task]> = tasks.chunk_by(|a, b| a.0 == b.0).collect();
@@ -338,9 +341,7 @@ fn tasks(bench: &Bench<'_>, fitted: &Fitted, peaks: &Peaks, skipped: &[usize]) -
             continue;
         }
         // Another form of a cause in the model is no further cause.
-        let named = |&e: &usize| bench.catalogue[e].id() == effect.id();
-        let known = fitted.effects.iter().any(named);
-        if known || effect.is_data_integrity() || skipped.contains(&cause) {
+        if fitted.names(bench, cause) || effect.is_data_integrity() || skipped.contains(&cause) {
             continue;
         }
         if effect.is_periodic() {
@@ -519,7 +520,7 @@ fn start_from(bench: &Bench<'_>, ray: &Ray, score: &Score) -> Vec<f64> {
     start
 }
 
-/// One tangent of each cause without a period: what the noise's mean may hold.
+/// One tangent of each cause without a period, in its plainest form: what the noise's mean may hold.
 fn smooth_columns(bench: &Bench<'_>, signatures: &[Signature]) -> DMatrix<f64> {
     let n = bench.samples.len();
     let mut columns = Vec::new();
@@ -528,6 +529,7 @@ fn smooth_columns(bench: &Bench<'_>, signatures: &[Signature]) -> DMatrix<f64> {
         if signature.cause != last
             && signature.chord.is_none()
             && !bench.catalogue[signature.cause].is_periodic()
+            && !is_second_form(bench, signature.cause)
         {
             last = signature.cause;
             columns.extend(signature.columns.column_iter().map(|c| c.into_owned()));

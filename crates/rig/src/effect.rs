@@ -199,6 +199,11 @@ pub trait Cause: Hooks {
         false
     }
 
+    /// Whether a period in time goes on between the runs, by the clock of the day, rather than begin anew with each of them.
+    fn goes_on_between_runs(&self) -> bool {
+        false
+    }
+
     /// The size in which a prediction has steps because samples hide at which moment between them something happens.
     fn stepped(&self) -> Option<usize> {
         None

@@ -63,6 +63,9 @@ pub struct RunMotion {
     pub rest_s: Option<f64>,
     /// Distance slid in all runs before this one, m; `None` where the order is not known.
     pub prior_distance_m: Option<f64>,
+    /// Direction of the last motion before this run: 1 forward, -1 in reverse, 0 for the first run and where the order is not
+    /// known.
+    pub heading_before: f64,
     /// Knots of the velocity (see [`friction::linear_stretches`]).
     pub knots: Vec<usize>,
     /// Second derivative of the velocity between samples, m/s^3, where it bends; empty where it nowhere does.
@@ -104,6 +107,15 @@ impl RunMotion {
             && self.velocity_m_s == other.velocity_m_s
             && self.time_s == other.time_s
             && self.load_n == other.load_n
+    }
+
+    /// The same motion after what came before another run.
+    fn with_past_of(mut self, other: &Self) -> Self {
+        self.started_s = other.started_s;
+        self.rest_s = other.rest_s;
+        self.prior_distance_m = other.prior_distance_m;
+        self.heading_before = other.heading_before;
+        self
     }
 
     /// Whether the run has contact.
@@ -172,7 +184,7 @@ impl Experiment {
             .fold(f64::INFINITY, f64::min);
         let mut runs: Vec<RunMotion> = Vec::with_capacity(campaign.runs.len());
         let mut measured_n = Vec::new();
-        let (mut slid, mut ended) = (0.0, None);
+        let (mut slid, mut ended, mut heading) = (0.0, None, 0.0);
         let mut leaders: Vec<usize> = Vec::new();
         for run in &campaign.runs {
             let first = measured_n.len();
@@ -190,6 +202,12 @@ impl Experiment {
                 _ => None,
             };
             motion.prior_distance_m = has_order.then_some(slid);
+            motion.heading_before = if has_order { heading } else { 0.0 };
+            if let Some(halved) = motion.halved.take() {
+                motion.halved = Some(Box::new(halved.with_past_of(&motion)));
+            }
+            let moving = run.velocity_m_s.iter().rev().find(|v| **v != 0.0);
+            heading = moving.map_or(heading, |v| v.signum());
             if motion.in_contact() {
                 slid += motion.distance_m.last().copied().unwrap_or(0.0);
             }
@@ -232,6 +250,13 @@ impl Experiment {
         let low = loads.iter().copied().fold(f64::INFINITY, f64::min);
         let high = loads.iter().copied().fold(0.0, f64::max);
         high > 1.1 * low
+    }
+
+    /// Whether rests before runs differ by more than a factor of two.
+    pub fn has_two_rests(&self) -> bool {
+        let rests = || self.runs.iter().filter_map(|run| run.rest_s);
+        let shortest = rests().fold(f64::INFINITY, f64::min);
+        rests().fold(0.0, f64::max) > 2.0 * shortest
     }
 
     /// Mean load of every run in contact, N.
@@ -334,6 +359,7 @@ fn prepare(run: &campaign::Run, has_load: bool, fastest: f64) -> RunMotion {
         started_s: None,
         rest_s: None,
         prior_distance_m: None,
+        heading_before: 0.0,
         knots: linear_stretches(t, v, linear_within),
         bends_m_s3: if is_bent { bends_m_s3 } else { Vec::new() },
         halved: None,

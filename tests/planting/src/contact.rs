@@ -5,11 +5,11 @@
 //! history x load) -> cord tension -> sensor (filter, offsets). All of it is one system of ordinary differential
 //! equations.
 
-use crate::effect::{Course, Effect, Filter};
+use crate::effect::{Clock, Course, Effect, Filter};
 use crate::integrator::Dynamics;
 use crate::law::{Law, Surroundings};
 use crate::machine::{Rig, STANDARD_GRAVITY_M_S2};
-use crate::motion::Motion;
+use crate::motion::{Motion, Play};
 use crate::plan::{Noise, RunPlan};
 use crate::roughness::Field;
 
@@ -20,6 +20,8 @@ pub(crate) struct History {
     pub(crate) heat_j: f64,
     pub(crate) bend_rad: f64,
     pub(crate) ended_s: Option<f64>,
+    /// Direction in which the play is taken up, and what of it is not.
+    pub(crate) play: Play,
 }
 
 /// Places of the optional states in the vector: inner state and slip distance come first.
@@ -147,7 +149,7 @@ impl Contact<'_> {
     }
 
     /// Everything that changes the law itself at this instant.
-    fn surroundings(&self, time_s: f64, remembered: Option<f64>) -> Surroundings {
+    fn surroundings(&self, time_s: f64, slid_m: f64, remembered: Option<f64>) -> Surroundings {
         let mut around = Surroundings {
             remembered_speed: remembered,
             ..Surroundings::PLAIN
@@ -166,10 +168,14 @@ impl Contact<'_> {
                     around.reverse_factors =
                         (1.0 + coulomb_ratio_minus_1, 1.0 + viscous_ratio_minus_1);
                 }
-                Effect::DwellAgeing { per_decade } => {
+                Effect::DwellAgeing {
+                    per_decade,
+                    fades_m,
+                } => {
                     // Decades of rest over one second.
                     let rest_s = self.rest_s.max(1.0);
-                    around.breakaway_factor *= 1.0 + per_decade * rest_s.log10();
+                    let left = fades_m.map_or(1.0, |length| (-slid_m / length).exp());
+                    around.breakaway_factor *= 1.0 + per_decade * rest_s.log10() * left;
                 }
                 _ => {}
             }
@@ -220,7 +226,14 @@ impl Contact<'_> {
                     frequency_hz,
                     phase_rad,
                     wave,
-                } => 1.0 + amplitude * wave.at(tau * frequency_hz * time_s + phase_rad),
+                    clock,
+                } => {
+                    let since_s = match clock {
+                        Clock::Run => time_s,
+                        Clock::Day => self.plan.started_s + time_s,
+                    };
+                    1.0 + amplitude * wave.at(tau * frequency_hz * since_s + phase_rad)
+                }
                 Effect::Scratch {
                     depth,
                     at_m,
@@ -283,7 +296,7 @@ impl Contact<'_> {
         let stretch_m = layout.stretch.map_or(0.0, |place| state[place]);
         let slip_speed = self.plate_speed(time_s, state[layout.stage]) - brush_speed;
         let remembered = layout.memory.map(|place| state[place]);
-        let around = self.surroundings(time_s, remembered);
+        let around = self.surroundings(time_s, state[1], remembered);
         // A specimen that was turned round meets the plate the other way.
         let turn = if self.plan.specimen_turned { -1.0 } else { 1.0 };
         let (inner_rate, coefficient) = self.rig.law.evaluate(state[0], turn * slip_speed, &around);
@@ -348,13 +361,19 @@ impl Contact<'_> {
             if let Effect::FrictionalMemory {
                 time_constant_s,
                 distance_m,
+                of_magnitude,
             } = effect
             {
+                let speed = if *of_magnitude {
+                    slip_speed.abs()
+                } else {
+                    slip_speed
+                };
                 if let Some(tau) = time_constant_s {
-                    return (slip_speed - remembered) / tau;
+                    return (speed - remembered) / tau;
                 }
                 if let Some(distance) = distance_m {
-                    return (slip_speed - remembered) * slip_speed.abs() / distance;
+                    return (speed - remembered) * slip_speed.abs() / distance;
                 }
             }
         }

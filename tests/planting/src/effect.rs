@@ -39,6 +39,16 @@ impl Wave {
     }
 }
 
+/// Which clock an oscillation follows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Clock {
+    /// It begins anew with every run.
+    Run,
+    /// It goes on between the runs.
+    Day,
+}
+
 /// Which filter a channel has.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -103,6 +113,7 @@ pub enum Effect {
         frequency_hz: f64,
         phase_rad: f64,
         wave: Wave,
+        clock: Clock,
     },
     /// A constant force is added to the reading.
     ForceZeroOffset { force_n: f64 },
@@ -128,15 +139,20 @@ pub enum Effect {
         coulomb_ratio_minus_1: f64,
         viscous_ratio_minus_1: f64,
     },
-    /// The Stribeck curve sees the speed of a while ago (time) or of a distance ago.
+    /// The Stribeck curve sees the speed of a while ago (time) or of a distance ago; `of_magnitude`: its magnitude.
     FrictionalMemory {
         time_constant_s: Option<f64>,
         distance_m: Option<f64>,
+        of_magnitude: bool,
     },
-    /// The level at rest grows with the logarithm of the rest before the run.
-    DwellAgeing { per_decade: f64 },
-    /// Play between stage and contact.
-    Backlash { gap_m: f64 },
+    /// The level at rest grows with the logarithm of the rest before the run; `fades_m`: sliding after which a share of
+    /// 1/e of the growth is left, where sliding wears it off.
+    DwellAgeing {
+        per_decade: f64,
+        fades_m: Option<f64>,
+    },
+    /// Play between stage and contact; `carried`: a run that goes against the one before it has to cross it first.
+    Backlash { gap_m: f64, carried: bool },
     /// The velocity channel is filtered.
     VelocityLag {
         time_constant_s: f64,
@@ -228,6 +244,7 @@ impl Effect {
             Self::StageRipple { wave, .. }
             | Self::SurfaceTexture { wave, .. }
             | Self::LoadOscillation { wave, .. } => *wave == Wave::Sine,
+            Self::DwellAgeing { fades_m, .. } => fades_m.is_none(),
             Self::CordCompliance { hardening_m, .. } => hardening_m.is_none(),
             Self::Wear { course, .. } => *course == Course::Saturating,
             Self::SensorLag { filter, .. } | Self::VelocityLag { filter, .. } => {
@@ -328,13 +345,14 @@ impl Effect {
             Self::FrictionalMemory {
                 time_constant_s,
                 distance_m,
+                ..
             } => time_constant_s
                 .map(|value| ("time_constant_s", value))
                 .into_iter()
                 .chain(distance_m.map(|value| ("distance_m", value)))
                 .collect(),
-            Self::DwellAgeing { per_decade } => vec![("per_decade", per_decade)],
-            Self::Backlash { gap_m } => vec![("gap_m", gap_m)],
+            Self::DwellAgeing { per_decade, .. } => vec![("per_decade", per_decade)],
+            Self::Backlash { gap_m, .. } => vec![("gap_m", gap_m)],
             Self::LoadCrosstalk { ratio } => vec![("ratio", ratio)],
             Self::MovingInertia { mass_kg } => vec![("mass_kg", mass_kg)],
             _ => Vec::new(),

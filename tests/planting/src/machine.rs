@@ -7,6 +7,7 @@ use crate::contact::{Contact, History, Layout, Rocking};
 use crate::effect::Effect;
 use crate::integrator::Integrator;
 use crate::law::Law;
+use crate::motion::Play;
 use crate::plan::{Noise, Plan, RunPlan};
 use crate::roughness::{Field, Grain, Tails, stream};
 
@@ -115,13 +116,26 @@ fn record_run(
         sum + (run.motion.position(pair[1]) - run.motion.position(pair[0])).abs()
     });
     let gap = rig.effects.iter().find_map(|effect| match effect {
-        Effect::Backlash { gap_m } => Some(*gap_m),
+        Effect::Backlash { gap_m, carried } => Some((*gap_m, *carried)),
         _ => None,
     });
+    let plate_motion = match gap {
+        None => run.motion.clone(),
+        Some((gap_m, carried)) => {
+            let mut play = if carried {
+                history.play
+            } else {
+                Play::default()
+            };
+            let behind = run.motion.behind_play(gap_m, &mut play);
+            history.play = play;
+            behind
+        }
+    };
     let mut contact = Contact {
         rig,
         plan: run,
-        plate_motion: gap.map_or_else(|| run.motion.clone(), |gap| run.motion.behind_play(gap)),
+        plate_motion,
         layout,
         history: *history,
         noise,
@@ -236,7 +250,18 @@ fn integrate(contact: &mut Contact<'_>, plan: &Plan, history: &mut History) -> R
         state[place + 1] = run.motion.speed(0.0);
     }
     if let Some(place) = layout.memory {
-        state[place] = run.motion.speed(0.0);
+        let of_magnitude = |effect: &Effect| {
+            matches!(
+                effect,
+                Effect::FrictionalMemory {
+                    of_magnitude: true,
+                    ..
+                }
+            )
+        };
+        let first = run.motion.speed(0.0);
+        let unsigned = contact.rig.effects.iter().any(of_magnitude);
+        state[place] = if unsigned { first.abs() } else { first };
     }
     if let Some((place, _)) = layout.sensor {
         let resting = contact.sensed(0.0, &state, &contact.instant(0.0, &state));

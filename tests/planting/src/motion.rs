@@ -10,6 +10,14 @@ struct Piece {
     x0: f64,
 }
 
+/// How a play stands: the direction in which it is taken up (0: of the next motion), and the distance still to cross before the
+/// follower moves, m.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Play {
+    heading: f64,
+    slack: f64,
+}
+
 /// A motion of the stage from t = 0; after its end the last speed is held, before its start it rests.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Motion {
@@ -94,14 +102,15 @@ impl Motion {
         times
     }
 
-    /// The motion behind a play of width `gap`: after every reversal it rests until the gap is crossed.
-    ///
-    /// The play is taken up in the direction of the first motion.
-    pub fn behind_play(&self, gap: f64) -> Self {
+    /// The motion behind a play of width `gap`: after every reversal it rests until the gap is crossed. `play` is how it stands
+    /// before the motion and takes how it stands after it.
+    pub fn behind_play(&self, gap: f64, play: &mut Play) -> Self {
         let mut points: Vec<Piece> = Vec::new();
         let mut x = 0.0;
-        let mut slack = 0.0; // distance still to cross before the follower moves
-        let mut heading = 0.0_f64; // direction in which the play is taken up
+        let Play {
+            mut heading,
+            mut slack,
+        } = *play;
         let mut push = |t0: f64, t1: f64, v0: f64, v1: f64, x: &mut f64| {
             if t1 > t0 {
                 points.push(Piece {
@@ -148,6 +157,7 @@ impl Motion {
             push(t0, t0 + u, 0.0, 0.0, &mut x);
             push(t0 + u, t1, v, v1, &mut x);
         }
+        *play = Play { heading, slack };
         Self { pieces: points }
     }
 }
@@ -175,10 +185,19 @@ mod tests {
             (4.0, 0.0),
             (5.0, 0.01),
         ]);
-        let behind = there_and_back.behind_play(1e-3);
+        let mut play = Play::default();
+        let behind = there_and_back.behind_play(1e-3, &mut play);
         let expected = there_and_back.position(5.0);
         // One reversal loses +gap, the second gives it back.
         assert!((behind.position(5.0) - expected).abs() < 1e-12);
         assert!((behind.position(3.5) - (there_and_back.position(3.5) + 1e-3)).abs() < 1e-12);
+        // It ended forward with the play taken up: forward again nothing is lost, in reverse the gap is crossed anew.
+        let on = Motion::through(&[(0.0, 0.0), (1.0, 0.02)]);
+        let back = Motion::through(&[(0.0, 0.0), (1.0, -0.02)]);
+        assert_eq!(on.behind_play(1e-3, &mut play), on);
+        assert!(
+            (back.behind_play(1e-3, &mut play).position(1.0) - (back.position(1.0) + 1e-3)).abs()
+                < 1e-12
+        );
     }
 }

@@ -60,6 +60,11 @@ impl Protocol {
         !matches!(self, Self::Drive | Self::Rotary)
     }
 
+    /// Whether rests between runs differ.
+    pub fn has_uneven_rests(self) -> bool {
+        !matches!(self, Self::PaperBlocked | Self::PaperAlternating)
+    }
+
     /// The day's plan.
     pub fn plan(self) -> Plan {
         match self {
@@ -167,10 +172,11 @@ fn brush_day(protocol: Protocol) -> Plan {
     if protocol == Protocol::RichTurned {
         turned_runs(&mut runs);
     }
-    // Uneven rests in the mixed days, a minute from start to start in the paper's.
-    let rests: &[f64] = match protocol {
-        Protocol::PaperBlocked | Protocol::PaperAlternating => &[50.0],
-        _ => &[30.0, 300.0, 20.0, 60.0, 900.0, 15.0, 120.0],
+    // A minute from start to start in the paper's days.
+    let rests: &[f64] = if protocol.has_uneven_rests() {
+        &[30.0, 300.0, 20.0, 60.0, 900.0, 15.0, 120.0]
+    } else {
+        &[50.0]
     };
     place_in_the_day(&mut runs, rests);
     Plan {

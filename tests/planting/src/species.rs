@@ -1,7 +1,7 @@
 //! Draws an effect of a named kind: its size as a multiple of a physically plausible one, its other parameters
 //! (periods, phases, time constants) at random within what such rigs show.
 
-use crate::effect::{Course, Effect, Filter, Wave};
+use crate::effect::{Clock, Course, Effect, Filter, Wave};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
@@ -48,7 +48,7 @@ pub const ALIENS: [&str; 6] = [
 ];
 
 /// Causes that can be planted in a second shape.
-pub const SECOND_SHAPES: [&str; 8] = [
+pub const SECOND_SHAPES: [&str; 10] = [
     "stage-ripple",
     "cord-compliance",
     "wear",
@@ -56,6 +56,8 @@ pub const SECOND_SHAPES: [&str; 8] = [
     "load-oscillation",
     "sensor-lag",
     "frictional-memory",
+    "dwell-ageing",
+    "backlash",
     "velocity-lag",
 ];
 
@@ -162,6 +164,7 @@ pub fn draw(
             frequency_hz: 0.4 * 12.0_f64.powf(share),
             phase_rad,
             wave: if second { Wave::Triangle } else { Wave::Sine },
+            clock: if second { Clock::Day } else { Clock::Run },
         },
         "force-zero-offset" => Effect::ForceZeroOffset {
             force_n: sign * 0.03 * size * scales.force_n,
@@ -197,19 +200,23 @@ pub fn draw(
                 Effect::FrictionalMemory {
                     time_constant_s: None,
                     distance_m: Some(0.5 * size * scales.build_up_m),
+                    of_magnitude: sign > 0.0,
                 }
             } else {
                 Effect::FrictionalMemory {
                     time_constant_s: Some(0.2 * size),
                     distance_m: None,
+                    of_magnitude: false,
                 }
             }
         }
         "dwell-ageing" => Effect::DwellAgeing {
             per_decade: 0.06 * size,
+            fades_m: second.then_some(5.0 * scales.build_up_m),
         },
         "backlash" => Effect::Backlash {
             gap_m: 0.15 * size * scales.build_up_m,
+            carried: second,
         },
         "velocity-lag" => Effect::VelocityLag {
             time_constant_s: 0.1 * size,

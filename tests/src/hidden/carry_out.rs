@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use diagnosis::Options;
-use planting::{Base, Protocol};
+use planting::{Base, Planted, Protocol};
 
 use crate::hidden::ask::{ask, asked_law, true_gain};
 use crate::hidden::judge::judge;
@@ -57,11 +57,11 @@ impl Workshop {
         if trial.case.planted.is_empty() {
             return Ok(Some(sized));
         }
-        let base = trial.case.base;
+        let (base, protocol) = (trial.case.base, trial.case.protocol);
         let ratio = trial.ratio;
         let view = self.view(trial)?;
         for planted in &mut sized.case.planted {
-            if always_absorbed(&planted.id, base) {
+            if always_absorbed(planted, base, protocol) {
                 return Ok(None);
             }
             let key = (planted.id.clone(), planted.second_shape);
@@ -147,8 +147,10 @@ impl Workshop {
 
 /// Effects that are another value of a free parameter of the law, at any size: the oracle's straight lines see the
 /// curvature of the law in them, the fit does not.
-fn always_absorbed(id: &str, base: Base) -> bool {
-    match id {
+fn always_absorbed(planted: &Planted, base: Base, protocol: Protocol) -> bool {
+    match planted.id.as_str() {
+        // Over equal rests ageing that lasts for a run is another level at rest.
+        "dwell-ageing" => !planted.second_shape && !protocol.has_uneven_rests(),
         "lean-angle" => base != Base::SymmetricBristle,
         "force-gain" => matches!(base, Base::AsymmetricBristle | Base::SymmetricBristle),
         _ => false,

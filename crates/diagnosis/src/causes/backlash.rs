@@ -1,12 +1,17 @@
 //! Play: after every reversal of the stage the specimen stays behind until the gap (m) is crossed. A run starts with the play
-//! taken up in the direction of its first motion.
+//! taken up in the direction of its first motion; or the play stands as the run before left it, so that a run against that one
+//! crosses the gap first.
+
+use std::collections::BTreeMap;
 
 use friction::{ParameterSpec, Scalar};
-use rig::{Cause, Experiment, Place, Reach, Requirement, RunMotion, Station};
+use rig::{Cause, Experiment, Place, Reach, Reported, Requirement, RunMotion, Station};
 
 use super::grids;
 
-/// Play is crossed after a reversal before force builds.
+const DESCRIPTION: &str = "Play is crossed after a reversal before force builds.";
+
+/// A run starts with the play taken up.
 #[derive(Clone, Copy, Debug)]
 pub struct Backlash;
 
@@ -31,7 +36,7 @@ impl Cause for Backlash {
     }
 
     fn describe(&self) -> &'static str {
-        "Play is crossed after a reversal before force builds."
+        DESCRIPTION
     }
 
     fn parameters(&self) -> &'static [ParameterSpec] {
@@ -39,18 +44,15 @@ impl Cause for Backlash {
     }
 
     fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
-        let travel = experiment.scales.travel_m;
-        vec![grids::bounded(&PARAMETERS[0], 0.0, 0.9 * travel, 0.01 * travel)]
+        bounds(experiment)
     }
 
     fn requirements(&self) -> &'static [Requirement] {
         &[Requirement::Reversals]
     }
 
-    /// The moment at which a gap is crossed makes a sample's force jump, so a fit gets over few of them: a ladder of gaps.
     fn starts(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
-        let travel = experiment.scales.travel_m;
-        [3e-5, 1e-4, 3e-4, 1e-3, 1e-2].iter().map(|share| vec![share * travel]).collect()
+        gaps(experiment)
     }
 
     fn stepped(&self) -> Option<usize> {
@@ -63,31 +65,114 @@ impl Cause for Backlash {
     }
 
     fn stage<D: Scalar>(&self, p: &[D], at: Place<'_>, velocity: &mut [D]) {
-        let time = &at.run.time_s;
-        let n = velocity.len();
-        let mut heading = 0.0_f64;
-        let mut slack = D::constant(0.0);
-        for i in 0..n {
-            let v = velocity[i];
-            if v.value() == 0.0 {
-                continue;
-            }
-            let sign = v.value().signum();
-            if heading != 0.0 && sign != heading {
-                slack = p[0] - slack;
-            }
-            heading = sign;
-            // path of this sample's share of the record: the trapezium's weight
-            let before = if i > 0 { time[i] - time[i - 1] } else { 0.0 };
-            let after = if i + 1 < n { time[i + 1] - time[i] } else { 0.0 };
-            let path = v * (sign * 0.5 * (before + after));
-            if slack.value() >= path.value() {
-                slack -= path;
-                velocity[i] = D::constant(0.0);
-            } else {
-                velocity[i] = v * (-(slack / path) + 1.0);
-                slack = D::constant(0.0);
-            }
+        cross(p[0], &at.run.time_s, 0.0, velocity);
+    }
+}
+
+/// The play stands as the run before left it.
+#[derive(Clone, Copy, Debug)]
+pub struct CarriedBacklash;
+
+/// Beside the gap, what tells this form from the other one in a file.
+const CARRIED: &str = "carried_between_runs";
+
+impl Cause for CarriedBacklash {
+    fn id(&self) -> &'static str {
+        "backlash"
+    }
+
+    fn variant(&self) -> Option<&'static str> {
+        Some("carried from run to run")
+    }
+
+    fn station(&self) -> Station {
+        Station::Coupling
+    }
+
+    fn reach(&self) -> Reach {
+        Reach::Stage
+    }
+
+    fn describe(&self) -> &'static str {
+        DESCRIPTION
+    }
+
+    fn parameters(&self) -> &'static [ParameterSpec] {
+        PARAMETERS
+    }
+
+    fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
+        bounds(experiment)
+    }
+
+    fn requirements(&self) -> &'static [Requirement] {
+        &[Requirement::Order, Requirement::BothDirections]
+    }
+
+    fn starts(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+        gaps(experiment)
+    }
+
+    fn stepped(&self) -> Option<usize> {
+        Some(0)
+    }
+
+    fn steps_a_sample(&self, _p: &[f64], run: &RunMotion) -> usize {
+        let goes = |way: f64| run.heading_before * way > 0.0 || run.velocity_m_s.iter().any(|v| v * way > 0.0);
+        if goes(1.0) && goes(-1.0) { STEPS } else { 1 }
+    }
+
+    fn reported(&self, fitted: &[f64]) -> Vec<Reported> {
+        let carried = Reported { name: CARRIED, unit: "1", value: 1.0, gradient: vec![0.0] };
+        Backlash.reported(fitted).into_iter().chain([carried]).collect()
+    }
+
+    fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
+        reported.get(CARRIED).ok_or_else(|| CARRIED.to_owned())?;
+        Backlash.from_reported(reported)
+    }
+
+    fn stage<D: Scalar>(&self, p: &[D], at: Place<'_>, velocity: &mut [D]) {
+        cross(p[0], &at.run.time_s, at.run.heading_before, velocity);
+    }
+}
+
+fn bounds(experiment: &Experiment) -> Vec<ParameterSpec> {
+    let travel = experiment.scales.travel_m;
+    vec![grids::bounded(&PARAMETERS[0], 0.0, 0.9 * travel, 0.01 * travel)]
+}
+
+/// The moment at which a gap is crossed makes a sample's force jump, so a fit gets over few of them: a ladder of gaps.
+fn gaps(experiment: &Experiment) -> Vec<Vec<f64>> {
+    let travel = experiment.scales.travel_m;
+    [3e-5, 1e-4, 3e-4, 1e-3, 1e-2].iter().map(|share| vec![share * travel]).collect()
+}
+
+/// Takes the crossing of the gap out of a velocity. `heading`: the direction in which the play is taken up before the first
+/// sample, 0 for that of the first motion.
+fn cross<D: Scalar>(gap: D, time: &[f64], mut heading: f64, velocity: &mut [D]) {
+    let n = velocity.len();
+    let mut slack = D::constant(0.0);
+    for i in 0..n {
+        let v = velocity[i];
+        if v.value() == 0.0 {
+            continue;
+        }
+        let sign = v.value().signum();
+        if heading != 0.0 && sign != heading {
+            slack = gap - slack;
+        }
+        heading = sign;
+        // path of this sample's share of the record: the trapezium's weight
+        let before = if i > 0 { time[i] - time[i - 1] } else { 0.0 };
+        let after = if i + 1 < n { time[i + 1] - time[i] } else { 0.0 };
+        let path = v * (sign * 0.5 * (before + after));
+        if slack.value() >= path.value() {
+            slack -= path;
+            velocity[i] = D::constant(0.0);
+        } else {
+            velocity[i] = v * (-(slack / path) + 1.0);
+            slack = D::constant(0.0);
         }
     }
 }

@@ -1,9 +1,14 @@
 //! The static level grows with rest: s (1 + b log10(rest/1 s)) for rests above 1 s, b per decade. The rest is that before the
 //! run; a stand of the stage inside a run counts from its end on. What came before the first run is not recorded: it is
-//! taken as the median of the other rests.
+//! taken as the median of the other rests. What was gained lasts for the motion, or sliding wears it off: then b fades
+//! as exp(-x/d), x the distance slid since the stand (m), d a distance (m).
 
-use friction::{ParameterSpec, Scalar, LawKind};
-use rig::{Cause, Place, Reach, Requirement, Station};
+use friction::{LawKind, ParameterSpec, Scalar};
+use rig::{Cause, Experiment, Place, Reach, Requirement, Station};
+
+use super::grids;
+
+const DESCRIPTION: &str = "Static friction grows with the time of rest.";
 
 fn median_rest(at: Place<'_>) -> f64 {
     let mut rests: Vec<f64> = at.experiment.runs.iter().filter_map(|run| run.rest_s).collect();
@@ -11,7 +16,7 @@ fn median_rest(at: Place<'_>) -> f64 {
     rests.get(rests.len() / 2).copied().unwrap_or(1.0)
 }
 
-/// Static friction grows with the time of rest.
+/// What was gained lasts for the motion.
 #[derive(Clone, Copy, Debug)]
 pub struct DwellAgeing;
 
@@ -33,7 +38,7 @@ impl Cause for DwellAgeing {
     }
 
     fn describe(&self) -> &'static str {
-        "Static friction grows with the time of rest."
+        DESCRIPTION
     }
 
     fn parameters(&self) -> &'static [ParameterSpec] {
@@ -49,10 +54,91 @@ impl Cause for DwellAgeing {
     }
 
     fn rest_gain<D: Scalar>(&self, p: &[D], at: Place<'_>, gain: &mut [D]) {
-        let (time, speed) = (&at.run.time_s, &at.run.velocity_m_s);
-        let mut rest = at.run.rest_s.unwrap_or_else(|| median_rest(at));
-        let mut standing_since = None;
-        for i in 0..gain.len() {
+        for (gain, since) in gain.iter_mut().zip(last_stand(at)) {
+            *gain *= p[0] * since.rest_s.max(1.0).log10() + 1.0;
+        }
+    }
+}
+
+/// Sliding wears off what was gained.
+#[derive(Clone, Copy, Debug)]
+pub struct FadingAgeing;
+
+const FADING: &[ParameterSpec] = &[
+    ParameterSpec::new("per_decade", "1", "growth of the static level per decade of rest, before sliding", -0.9, 10.0, 0.05).with_null(0.0),
+    ParameterSpec::new("fading_distance_m", "m", "sliding that leaves 1/e of the growth", 1e-9, 1e9, 1e-2),
+];
+
+/// Distances over which growth fades, as shares of the longest run, and how many of them the scan looks at.
+const FADES: (f64, f64) = (0.01, 0.3);
+const LOOKS: usize = 4;
+
+impl Cause for FadingAgeing {
+    fn id(&self) -> &'static str {
+        "dwell-ageing"
+    }
+
+    fn variant(&self) -> Option<&'static str> {
+        Some("worn off by sliding")
+    }
+
+    fn station(&self) -> Station {
+        Station::History
+    }
+
+    fn reach(&self) -> Reach {
+        Reach::RestGain
+    }
+
+    fn describe(&self) -> &'static str {
+        DESCRIPTION
+    }
+
+    fn parameters(&self) -> &'static [ParameterSpec] {
+        FADING
+    }
+
+    fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
+        let (run, _) = grids::slid_m(experiment);
+        let (shortest, longest) = (0.3 * FADES.0 * run, 3.0 * FADES.1 * run);
+        vec![FADING[0].clone(), grids::bounded(&FADING[1], shortest, longest, 0.05 * run)]
+    }
+
+    fn requirements(&self) -> &'static [Requirement] {
+        &[Requirement::Clock]
+    }
+
+    fn applies_to(&self, law: LawKind) -> bool {
+        DwellAgeing.applies_to(law)
+    }
+
+    fn shape_grid(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+        let (run, _) = grids::slid_m(experiment);
+        grids::logarithmic(FADES.0 * run, FADES.1 * run, LOOKS).into_iter().map(|d| vec![0.0, d]).collect()
+    }
+
+    fn rest_gain<D: Scalar>(&self, p: &[D], at: Place<'_>, gain: &mut [D]) {
+        let rate = p[1].recip();
+        for (gain, since) in gain.iter_mut().zip(last_stand(at)) {
+            *gain *= p[0] * (-(rate * since.slid_m)).exp() * since.rest_s.max(1.0).log10() + 1.0;
+        }
+    }
+}
+
+/// The last stand of the stage before a moment: how long it was, and how far the contact has slid since.
+struct SinceStand {
+    rest_s: f64,
+    slid_m: f64,
+}
+
+/// The last stand before the middle of each sample's step to the next one, which belongs to the motion after the stand.
+fn last_stand(at: Place<'_>) -> Vec<SinceStand> {
+    let (time, speed, slid) = (&at.run.time_s, &at.run.velocity_m_s, &at.run.distance_m);
+    let mut rest = at.run.rest_s.unwrap_or_else(|| median_rest(at));
+    let mut standing_since = None;
+    let mut left_at = 0.0;
+    (0..time.len())
+        .map(|i| {
             if speed[i] == 0.0 {
                 standing_since = standing_since.or(Some(time[i]));
             } else if let Some(since) = standing_since.take() {
@@ -60,10 +146,11 @@ impl Cause for DwellAgeing {
                 let stood = time[i - 1] - since;
                 if stood > 0.0 {
                     rest = stood + if since == time[0] { rest } else { 0.0 };
+                    left_at = slid[i - 1];
                 }
             }
-            // the interval that begins here belongs to the motion after the stand
-            gain[i] *= p[0] * rest.max(1.0).log10() + 1.0;
-        }
-    }
+            let middle = 0.5 * (slid[i] + slid[(i + 1).min(slid.len() - 1)]);
+            SinceStand { rest_s: rest, slid_m: middle - left_at }
+        })
+        .collect()
 }

@@ -1,9 +1,12 @@
 //! Friction follows speed with a memory: the Stribeck curve is read at a speed u that lags behind v, in time,
-//! tau u' = v - u, or in distance slid, D du/ds = v - u. u starts at v.
+//! tau u' = v - u, or in distance slid, D du/ds = v - u. u starts at v. Or it is the magnitude |v| that is remembered: through a
+//! reversal the curve is then read at low speeds, not at zero.
+
+use std::collections::BTreeMap;
 
 use friction::{LawKind, ParameterSpec, Scalar};
 use rig::signal::lag_step;
-use rig::{Cause, Experiment, Place, Reach, Station};
+use rig::{Cause, Experiment, Place, Reach, Reported, Requirement, Station};
 
 use super::grids;
 
@@ -101,14 +104,147 @@ impl Cause for MemoryInDistance {
     }
 
     fn curve_speed<D: Scalar>(&self, p: &[D], at: Place<'_>, speed: &mut [D]) {
-        let Some(&first) = speed.first() else { return };
-        let slid = &at.run.distance_m;
-        let (mut before, mut remembered) = (first, first);
-        for i in 1..speed.len() {
-            let now = speed[i];
-            remembered = lag_step(before, now, remembered, slid[i] - slid[i - 1], p[0]);
-            before = now;
-            speed[i] = remembered;
-        }
+        lag_along(&at.run.distance_m, speed, p[0]);
+    }
+}
+
+/// A lag in the distance slid.
+fn lag_along<D: Scalar>(slid_m: &[f64], speed: &mut [D], distance: D) {
+    let Some(&first) = speed.first() else { return };
+    let (mut before, mut remembered) = (first, first);
+    for i in 1..speed.len() {
+        let now = speed[i];
+        remembered = lag_step(before, now, remembered, slid_m[i] - slid_m[i - 1], distance);
+        before = now;
+        speed[i] = remembered;
+    }
+}
+
+/// Beside the memory, what tells that of the magnitude in a file.
+const OF_MAGNITUDE: &str = "of_the_magnitude";
+
+fn with_magnitude(mut reported: Vec<Reported>) -> Vec<Reported> {
+    reported.push(Reported {
+        name: OF_MAGNITUDE,
+        unit: "1",
+        value: 1.0,
+        gradient: vec![0.0],
+    });
+    reported
+}
+
+fn magnitudes<D: Scalar>(speed: &mut [D]) {
+    speed.iter_mut().for_each(|u| *u = u.magnitude());
+}
+
+/// Memory of the magnitude of the speed, of a time constant.
+#[derive(Clone, Copy, Debug)]
+pub struct MagnitudeInTime;
+
+impl Cause for MagnitudeInTime {
+    fn id(&self) -> &'static str {
+        MemoryInTime.id()
+    }
+
+    fn variant(&self) -> Option<&'static str> {
+        Some("magnitude, time")
+    }
+
+    fn station(&self) -> Station {
+        MemoryInTime.station()
+    }
+
+    fn reach(&self) -> Reach {
+        MemoryInTime.reach()
+    }
+
+    fn describe(&self) -> &'static str {
+        DESCRIPTION
+    }
+
+    fn parameters(&self) -> &'static [ParameterSpec] {
+        IN_TIME
+    }
+
+    fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
+        MemoryInTime.parameters_for(experiment)
+    }
+
+    fn requirements(&self) -> &'static [Requirement] {
+        &[Requirement::Reversals]
+    }
+
+    fn applies_to(&self, law: LawKind) -> bool {
+        has_curve(law)
+    }
+
+    fn reported(&self, fitted: &[f64]) -> Vec<Reported> {
+        with_magnitude(MemoryInTime.reported(fitted))
+    }
+
+    fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
+        reported.get(OF_MAGNITUDE).ok_or_else(|| OF_MAGNITUDE.to_owned())?;
+        MemoryInTime.from_reported(reported)
+    }
+
+    fn curve_speed<D: Scalar>(&self, p: &[D], at: Place<'_>, speed: &mut [D]) {
+        magnitudes(speed);
+        rig::signal::lag(&at.run.time_s, speed, p[0]);
+    }
+}
+
+/// Memory of the magnitude of the speed, of a distance.
+#[derive(Clone, Copy, Debug)]
+pub struct MagnitudeInDistance;
+
+impl Cause for MagnitudeInDistance {
+    fn id(&self) -> &'static str {
+        MemoryInDistance.id()
+    }
+
+    fn variant(&self) -> Option<&'static str> {
+        Some("magnitude, distance")
+    }
+
+    fn station(&self) -> Station {
+        MemoryInDistance.station()
+    }
+
+    fn reach(&self) -> Reach {
+        MemoryInDistance.reach()
+    }
+
+    fn describe(&self) -> &'static str {
+        DESCRIPTION
+    }
+
+    fn parameters(&self) -> &'static [ParameterSpec] {
+        IN_DISTANCE
+    }
+
+    fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
+        MemoryInDistance.parameters_for(experiment)
+    }
+
+    fn requirements(&self) -> &'static [Requirement] {
+        &[Requirement::Reversals]
+    }
+
+    fn applies_to(&self, law: LawKind) -> bool {
+        has_curve(law)
+    }
+
+    fn reported(&self, fitted: &[f64]) -> Vec<Reported> {
+        with_magnitude(MemoryInDistance.reported(fitted))
+    }
+
+    fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
+        reported.get(OF_MAGNITUDE).ok_or_else(|| OF_MAGNITUDE.to_owned())?;
+        MemoryInDistance.from_reported(reported)
+    }
+
+    fn curve_speed<D: Scalar>(&self, p: &[D], at: Place<'_>, speed: &mut [D]) {
+        magnitudes(speed);
+        lag_along(&at.run.distance_m, speed, p[0]);
     }
 }

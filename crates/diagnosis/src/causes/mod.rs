@@ -10,7 +10,8 @@ macro_rules! catalogue {
         $(mod $module;)*
         $($(pub use $module::$form;)+)*
 
-        /// Every cause, in the order of the list; causes with more than one form (memory in time and in distance, wear with and without a limit, a cord under the moving mass and beside it)
+        /// Every cause, in the order of the list; causes with more than one form (memory in time and in distance, wear with and without a limit, an oscillation that begins anew with each
+        /// run and one that goes on between them, a cord under the moving mass and beside it)
         /// stand in every form, with the same id.
         pub fn catalogue() -> Vec<Box<dyn rig::Cause>> {
             vec![$($(Box::new($form)),+),*]
@@ -30,7 +31,7 @@ catalogue! {
     surface_texture::SurfaceTexture;
     surface_gradient::SurfaceGradient;
     load_dependence::LoadDependence;
-    load_oscillation::LoadOscillation;
+    load_oscillation::LoadOscillation, OscillationOfTheDay;
     force_zero_offset::ForceZeroOffset;
     stage_tilt::StageTilt;
     force_zero_drift::ForceZeroDrift;
@@ -40,9 +41,9 @@ catalogue! {
     force_resolution::ForceResolution;
     clock_offset::ClockOffset;
     direction_asymmetry::DirectionAsymmetry;
-    frictional_memory::MemoryInTime, MemoryInDistance;
-    dwell_ageing::DwellAgeing;
-    backlash::Backlash;
+    frictional_memory::MemoryInTime, MemoryInDistance, MagnitudeInTime, MagnitudeInDistance;
+    dwell_ageing::DwellAgeing, FadingAgeing;
+    backlash::Backlash, CarriedBacklash;
     velocity_lag::VelocityLag;
     load_crosstalk::LoadCrosstalk;
     moving_inertia::MovingInertia;
