@@ -63,9 +63,7 @@ impl Excerpt {
     /// Gives the excerpt's runs the history that they have in the whole campaign.
     pub(crate) fn place(&self, all: &Experiment, experiment: &mut Experiment) {
         for (run, &k) in experiment.runs.iter_mut().zip(&self.kept) {
-            run.started_s = all.runs[k].started_s;
-            run.rest_s = all.runs[k].rest_s;
-            run.prior_distance_m = all.runs[k].prior_distance_m;
+            run.take_past_of(&all.runs[k]);
         }
     }
 

@@ -10,7 +10,7 @@ use rig::{Cause, Experiment, Model, Requirement, Station};
 use rigs::{BRISTLE, LUGRE, rich};
 
 /// Ids, stations and reported parameters, as other programs know them.
-const VOCABULARY: [(&str, &str, &[&str]); 30] = [
+const VOCABULARY: [(&str, &str, &[&str]); 35] = [
     (
         "stage-ripple",
         "stage",
@@ -49,6 +49,11 @@ const VOCABULARY: [(&str, &str, &[&str]); 30] = [
         "load",
         &["amplitude", "frequency_hz", "phase_rad"],
     ),
+    (
+        "load-oscillation",
+        "load",
+        &["amplitude", "frequency_hz", "phase_of_the_day_rad"],
+    ),
     ("force-zero-offset", "sensor", &["force_n"]),
     ("stage-tilt", "load", &["angle_rad"]),
     ("force-zero-drift", "sensor", &["rate_n_s"]),
@@ -64,8 +69,24 @@ const VOCABULARY: [(&str, &str, &[&str]); 30] = [
     ),
     ("frictional-memory", "law", &["time_constant_s"]),
     ("frictional-memory", "law", &["distance_m"]),
+    (
+        "frictional-memory",
+        "law",
+        &["time_constant_s", "of_the_magnitude"],
+    ),
+    (
+        "frictional-memory",
+        "law",
+        &["distance_m", "of_the_magnitude"],
+    ),
     ("dwell-ageing", "history", &["per_decade"]),
+    (
+        "dwell-ageing",
+        "history",
+        &["per_decade", "fading_distance_m"],
+    ),
     ("backlash", "coupling", &["gap_m"]),
+    ("backlash", "coupling", &["gap_m", "carried_between_runs"]),
     ("velocity-lag", "sensor", &["time_constant_s"]),
     ("load-crosstalk", "sensor", &["ratio"]),
     ("moving-inertia", "coupling", &["mass_kg"]),
@@ -197,6 +218,38 @@ fn every_cause_off_its_null_changes_the_prediction_and_close_to_it_hardly() {
     }
 }
 
+/// Ageing follows the rest before the run on a motion that bends between its samples too, which is carried in half steps.
+#[test]
+fn ageing_knows_the_rest_where_the_motion_bends() {
+    let forces = |rest_s: f64| {
+        let mut campaign = rich(200);
+        campaign.runs.truncate(4);
+        for run in &mut campaign.runs {
+            let bent = |t: &f64| 0.011 - 0.01 * (2.5 * t).cos();
+            run.velocity_m_s = run.time_s.iter().map(bent).collect();
+            run.direction = campaign::Direction::Forward;
+        }
+        let starts = [0.0, 20.0, 40.0, 50.0 + rest_s];
+        for (run, start) in campaign.runs.iter_mut().zip(starts) {
+            run.started_s = Some(start);
+        }
+        let experiment = Experiment::new(&campaign).expect("moves");
+        let ageing = catalogue().into_iter().find(|c| c.id() == "dwell-ageing");
+        let causes = vec![ageing.expect("in the catalogue")];
+        let model = Model::new(LawKind::AsymmetricBristle, causes, &experiment).expect("model");
+        let mut p = BRISTLE.to_vec();
+        p.push(0.1);
+        model.predict(&experiment, &p)
+    };
+    let (short, long) = (forces(2.0), forces(2000.0));
+    let n = short.len() / 4;
+    let most = |range: std::ops::Range<usize>| {
+        range.fold(0.0_f64, |most, i| most.max((short[i] - long[i]).abs()))
+    };
+    assert_eq!(most(0..3 * n), 0.0);
+    assert!(most(3 * n..4 * n) > 0.01);
+}
+
 /// Remainder f(p + e d) - f(p) - e J d must shrink as e^2: its ratio at e and e/2 is four.
 fn taylor_ratio(
     model: &Model,
@@ -245,6 +298,7 @@ fn derivatives_of_the_whole_chain_are_exact() {
             // a period counts by the phase that it moves at the end of the plate or of the run
             match model.parameters()[k].name.as_ref() {
                 "pitch_m" | "wavelength_m" => direction[k] = p[k] * p[k] / 0.3,
+                "frequency_hz" if cause.goes_on_between_runs() => direction[k] = 0.003,
                 "frequency_hz" => direction[k] = 0.1,
                 _ => {}
             }

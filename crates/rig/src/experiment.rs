@@ -109,13 +109,15 @@ impl RunMotion {
             && self.load_n == other.load_n
     }
 
-    /// The same motion after what came before another run.
-    fn with_past_of(mut self, other: &Self) -> Self {
+    /// Takes over what came before another run.
+    pub fn take_past_of(&mut self, other: &Self) {
         self.started_s = other.started_s;
         self.rest_s = other.rest_s;
         self.prior_distance_m = other.prior_distance_m;
         self.heading_before = other.heading_before;
-        self
+        if let Some(halved) = &mut self.halved {
+            halved.take_past_of(other);
+        }
     }
 
     /// Whether the run has contact.
@@ -203,8 +205,9 @@ impl Experiment {
             };
             motion.prior_distance_m = has_order.then_some(slid);
             motion.heading_before = if has_order { heading } else { 0.0 };
-            if let Some(halved) = motion.halved.take() {
-                motion.halved = Some(Box::new(halved.with_past_of(&motion)));
+            if let Some(mut halved) = motion.halved.take() {
+                halved.take_past_of(&motion);
+                motion.halved = Some(halved);
             }
             let moving = run.velocity_m_s.iter().rev().find(|v| **v != 0.0);
             heading = moving.map_or(heading, |v| v.signum());
