@@ -31,19 +31,7 @@ const address = pathToFileURL(file).href;
 // Size and mark-up.
 facts.bytes = statSync(file).size;
 expect(facts.bytes <= 3 * 1024 * 1024, `the page has ${facts.bytes} bytes, more than 3 MiB`);
-const validator = new HtmlValidate({
-  extends: ["html-validate:recommended"],
-  rules: {
-    // Matters of style, not of validity: long lines of data, inline styles of the animation, words in capitals.
-    "long-title": "off",
-    "no-inline-style": "off",
-    "no-trailing-whitespace": "off",
-    "attribute-boolean-style": "off",
-    "void-style": "off",
-    "prefer-native-element": "off",
-    "no-raw-characters": "off",
-  },
-});
+const validator = new HtmlValidate({ extends: ["html-validate:recommended"] });
 const report = await validator.validateFile(file);
 for (const message of report.results.flatMap((result) => result.messages).slice(0, 20)) {
   failures.push(`html-validate ${message.ruleId} at line ${message.line}: ${message.message}`);

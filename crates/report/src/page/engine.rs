@@ -39,8 +39,15 @@ impl Engine {
     }
 
     pub(super) fn render(&self, name: &str, context: Value) -> Result<String, Error> {
-        Ok(self.environment.get_template(name)?.render(context)?)
+        let html = self.environment.get_template(name)?.render(context)?;
+        Ok(without_trailing_space(&html))
     }
+}
+
+/// Lines that hold nothing but the engine's own blocks leave their indentation behind: validators call that an error.
+fn without_trailing_space(html: &str) -> String {
+    let lines: Vec<&str> = html.split('\n').map(str::trim_ascii_end).collect();
+    lines.join("\n")
 }
 
 /// Mark-up that this crate wrote: the engine must not escape it again.
@@ -55,6 +62,14 @@ mod tests {
     #[test]
     fn every_template_escapes() {
         assert!(TEMPLATES.iter().all(|(name, _)| name.ends_with(".html")));
+    }
+
+    #[test]
+    fn lines_end_where_their_text_does() {
+        assert_eq!(
+            without_trailing_space("<p>\n  \n  a b \n</p>\n"),
+            "<p>\n\n  a b\n</p>\n"
+        );
     }
 
     #[test]
