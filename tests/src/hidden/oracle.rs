@@ -21,7 +21,7 @@ use planting::machine::{Recording, Rig, run_day};
 use planting::motion::Motion;
 use planting::plan::{Noise, Plan};
 use planting::species::CAUSES;
-use planting::{Case, NoiseKind, Planted};
+use planting::{Base, Case, NoiseKind, Planted};
 use statrs::distribution::{Continuous, ContinuousCDF, Normal, StudentsT};
 
 use fitting::noise::{Context, Sizes, Whitener};
@@ -385,6 +385,11 @@ impl Oracle {
         for cause in CAUSES {
             // Clipping and rounding are looked for directly; periods are free, so a rival's meets no other by chance.
             if matches!(cause, "force-saturation" | "force-resolution") || is_periodic(cause) {
+                continue;
+            }
+            // A mass on a cord under a law without an inner state sticks by chattering: minutes for one signature.
+            let stateless = matches!(self.case.base, Base::Stribeck | Base::CoulombViscous);
+            if cause == "cord-compliance" && stateless {
                 continue;
             }
             let mut shapes = Vec::new();
