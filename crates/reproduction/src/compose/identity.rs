@@ -57,7 +57,7 @@ impl Twice {
 /// The outcome in a few words, for the header.
 pub(super) fn fact(twice: Option<&Twice>) -> String {
     match twice.map(Twice::same) {
-        None => "not run (reproduce --twice)".to_owned(),
+        None => "not tried in this run; reproduce --twice does".to_owned(),
         Some(true) => "yes: one thread and all, two processes".to_owned(),
         Some(false) => "no".to_owned(),
     }
