@@ -7,7 +7,8 @@
 //! ```
 //!
 //! which before full sliding is friction. Where the samples themselves show a bend it is followed: c of an interval is the smaller
-//! of the second differences at its two ends, zero where they differ in sign, so that a corner of the motion stays a corner.
+//! of the second differences at its two ends, zero where they differ in sign, so that a corner of the motion stays a corner. A recorded
+//! position has the last word: it may say that the stage went along the chords.
 
 /// Neighbouring intervals that must bend the same way: a corner between two samples bends at most two.
 const TOGETHER: usize = 3;
@@ -44,6 +45,32 @@ pub(crate) fn bends(time_s: &[f64], velocity_m_s: &[f64], bulge_m_s: f64) -> Vec
         from = to;
     }
     bends
+}
+
+/// Whether a recorded position (in m, either sense) says that the stage went along the chords and not along these bends: of the way of
+/// the bends less than half is there, by two standard deviations.
+pub(crate) fn went_straight(
+    position_m: &[f64],
+    time_s: &[f64],
+    velocity_m_s: &[f64],
+    bends: &[f64],
+) -> bool {
+    let ways: Vec<(f64, f64, f64)> = (0..bends.len())
+        .filter(|&i| bends[i] != 0.0)
+        .map(|i| {
+            let h = time_s[i + 1] - time_s[i];
+            let chord = 0.5 * (velocity_m_s[i] + velocity_m_s[i + 1]) * h;
+            let bend = -bends[i] * h.powi(3) / 12.0;
+            (position_m[i + 1] - position_m[i], chord, bend)
+        })
+        .collect();
+    let sum = |term: &dyn Fn(&(f64, f64, f64)) -> f64| ways.iter().map(term).sum::<f64>();
+    let sense = sum(&|(way, chord, _)| way * chord).signum();
+    let squares = sum(&|(_, _, bend)| bend * bend);
+    let share = sum(&|(way, chord, bend)| (sense * way - chord) * bend) / squares;
+    let rest = sum(&|(way, chord, bend)| (sense * way - chord - share * bend).powi(2));
+    let sd = (rest / squares / ways.len().saturating_sub(1).max(1) as f64).sqrt();
+    share + 2.0 * sd < 0.5
 }
 
 /// Takes a velocity at `parts` steps from each sample to the next from its chords to the bends. The steps' own chords then cover the
@@ -100,6 +127,35 @@ mod tests {
             let v: Vec<f64> = time.iter().map(|&t| f64::min(t, corner)).collect();
             assert!(bends(&time, &v, 2e-4).iter().all(|c| *c == 0.0));
         }
+    }
+
+    /// A stage that is set going by half a sine, its position to a tenth of a micrometre: along the sine, along its chords, and to a
+    /// millimetre only, which says nothing.
+    #[test]
+    fn a_recorded_position_tells_bends_from_chords() {
+        let time: Vec<f64> = (0..60).map(|i| f64::from(i) / 60.0).collect();
+        let turn = std::f64::consts::PI;
+        let v: Vec<f64> = time
+            .iter()
+            .map(|t| 0.01 * (1.0 - (turn * t).cos()))
+            .collect();
+        let c = bends(&time, &v, 1e-6);
+        assert!(c.iter().any(|c| *c != 0.0));
+        let written = |x: f64, step: f64| (x / step).round() * step;
+        let smooth = |step| -> Vec<f64> {
+            let exact = |t: &f64| 0.01 * (t - (turn * t).sin() / turn);
+            time.iter().map(|t| written(exact(t), step)).collect()
+        };
+        let chords = |step| -> Vec<f64> {
+            let mut way = vec![0.0];
+            for i in 1..60 {
+                way.push(way[i - 1] + 0.5 * (v[i - 1] + v[i]) / 60.0);
+            }
+            way.iter().map(|x| written(0.3 - x, step)).collect()
+        };
+        assert!(!went_straight(&smooth(1e-7), &time, &v, &c));
+        assert!(went_straight(&chords(1e-7), &time, &v, &c));
+        assert!(!went_straight(&chords(1e-3), &time, &v, &c));
     }
 
     #[test]

@@ -6,7 +6,7 @@ use campaign::{Axis, Campaign, Direction, InitialState, Protocol};
 use friction::linear_stretches;
 
 use crate::Scales;
-use crate::bends::bends;
+use crate::bends::{bends, went_straight};
 
 /// Standard gravity, m/s^2 (exact by definition, 3rd CGPM 1901): turns a load that is a weight into a mass.
 pub const GRAVITY_M_S2: f64 = 9.806_65;
@@ -339,7 +339,9 @@ fn prepare(run: &campaign::Run, has_load: bool, fastest: f64) -> RunMotion {
     };
     let linear_within = LINEAR_WITHIN * fastest;
     let bends_m_s3 = bends(t, v, STRAIGHT_WITHIN * fastest);
-    let is_bent = bends_m_s3.iter().any(|c| *c != 0.0);
+    let recorded = run.position_m.as_ref();
+    let is_bent = bends_m_s3.iter().any(|c| *c != 0.0)
+        && !recorded.is_some_and(|x| went_straight(x, t, v, &bends_m_s3));
     let mut motion = RunMotion {
         name: run.name.clone(),
         samples: 0..0,
