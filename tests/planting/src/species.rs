@@ -191,9 +191,10 @@ pub fn draw(
         "clock-offset" => Effect::ClockOffset {
             delay_s: sign * 0.08 * size,
         },
+        // Twice the friction in one direction is half of it in the other; no ratio turns friction round.
         "direction-asymmetry" => Effect::DirectionAsymmetry {
-            coulomb_ratio_minus_1: sign * 0.1 * size,
-            viscous_ratio_minus_1: sign * 0.2 * size,
+            coulomb_ratio_minus_1: (1.0 + 0.1 * size).powf(sign) - 1.0,
+            viscous_ratio_minus_1: (1.0 + 0.2 * size).powf(sign) - 1.0,
         },
         "frictional-memory" => {
             if second {
