@@ -205,9 +205,15 @@ impl<'a> Bench<'a> {
             iteration_limit: limit,
             initial_damping: 1e-4,
         };
-        let fit = minimise(&problem, start, &bounds, &options).ok()?;
+        let mut fit = minimise(&problem, start, &bounds, &options).ok()?;
         if !fit.cost.is_finite() {
             return None;
+        }
+        if let Some(again) = self.revived(&model, start, &fit.parameters, &bounds)
+            && let Ok(other) = minimise(&problem, &again, &bounds, &options)
+            && other.cost < fit.cost
+        {
+            fit = other;
         }
         let prediction = model.predict(&self.experiment, &fit.parameters);
         Some(Fitted {
@@ -219,6 +225,35 @@ impl<'a> Bench<'a> {
             model,
             friction: OnceLock::new(),
         })
+    }
+
+    /// Where a fit may go on that a long step has thrown against a bound: with a Stribeck velocity far below all speeds, the law has no dip
+    /// any more and its slope says nothing of the way back. The law's parameters that ended so stand again where they began.
+    fn revived(
+        &self,
+        model: &Model,
+        start: &[f64],
+        end: &[f64],
+        bounds: &Bounds,
+    ) -> Option<Vec<f64>> {
+        /// Share of the force below which all the way back, by the slope at the bound, does nothing that noise would let be seen.
+        const NOTHING: f64 = 1e-4;
+        let (lower, upper) = (bounds.lower(), bounds.upper());
+        let thrown: Vec<usize> = (0..model.law_parameters())
+            .filter(|&k| end[k] != start[k] && (end[k] == lower[k] || end[k] == upper[k]))
+            .collect();
+        if thrown.is_empty() {
+            return None;
+        }
+        let (force, slopes) = model.predict_with_jacobian(&self.experiment, end, Some(&thrown));
+        let size = force.iter().map(|f| f * f).sum::<f64>().sqrt();
+        let mut again = None;
+        for (slope, &k) in slopes.column_iter().zip(&thrown) {
+            if slope.norm() * (start[k] - end[k]).abs() < NOTHING * size {
+                again.get_or_insert_with(|| end.to_vec())[k] = start[k];
+            }
+        }
+        again
     }
 
     /// The same questions to a condensed record.

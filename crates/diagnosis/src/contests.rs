@@ -35,17 +35,12 @@ pub(crate) fn contests(bench: &Bench<'_>, selected: &mut Selected) -> Vec<Contes
 /// Puts the opponent that saves most in the place of the cause that it beats; whether there was one.
 fn succeed(bench: &Bench<'_>, selected: &mut Selected, contests: &[Contest]) -> bool {
     let stand = &selected.stand;
-    let named = stand.fitted.effects.clone();
-    // A searched period is paid for, by the named cause and by its rival.
-    let price = |new: usize, own: usize| search_price(bench, new) - search_price(bench, own);
-    let beaten = contests.iter().zip(&named).enumerate();
-    let best = beaten
-        .flat_map(|(k, (contest, &own))| {
+    let best = contests
+        .iter()
+        .enumerate()
+        .flat_map(|(k, contest)| {
             let opponents = contest.opponents.iter();
-            opponents.filter_map(move |o| {
-                let excess = o.excess_deviance + price(o.cause, own);
-                Some((excess, k, o.cause, o.fitted.as_ref()?))
-            })
+            opponents.filter_map(move |o| Some((o.loss(), k, o.cause, o.fitted.as_ref()?)))
         })
         .min_by(|a, b| a.0.total_cmp(&b.0));
     let Some((_, k, cause, fit)) = best.filter(|best| best.0 < -EXCHANGE) else {
@@ -55,7 +50,9 @@ fn succeed(bench: &Bench<'_>, selected: &mut Selected, contests: &[Contest]) -> 
     let Some(next) = settle(bench, &selected.subset, fit, &found) else {
         return false;
     };
-    if next.deviance + price(cause, named[k]) > stand.deviance - EXCHANGE {
+    // A searched period is paid for, by the named cause and by its rival.
+    let charge = search_price(bench, cause) - search_price(bench, stand.fitted.effects[k]);
+    if next.deviance + charge > stand.deviance - EXCHANGE {
         return false;
     }
     selected.left = lack(bench, &selected.subset, &next);

@@ -1,15 +1,19 @@
 //! What a further cause makes of the causes before it: one other cause alone may do as well as the pair, one may have become
 //! idle, and one may have been the best name only as long as its neighbour was missing.
 
+use std::sync::OnceLock;
+
 use crate::bench::{Bench, Fitted};
 use crate::joint::{joint_fits, search_price, survivors};
-use crate::scan::{Scan, scan};
+use crate::scan::{Candidate, Scan, scan, scan_period};
 use crate::selection::{Depth, SURVIVORS, Single, likely_scatter, settle};
 use crate::stand::Stand;
 use crate::subset::Subset;
 
 /// Exchanges of one cause for another in one look back.
 const MOST_EXCHANGES: usize = 3;
+/// Times that one period is looked for again.
+const MOST_PERIODS: usize = 3;
 /// Deviance that an exchange must save: parameters are paid for, and neither cause has the right of the first.
 pub(crate) const EXCHANGE: f64 = 1.0;
 /// Deviance by which a model may come out worse than promised once its own noise is estimated. Beyond that the promise was made
@@ -62,10 +66,60 @@ pub(crate) fn look_back(
     }
     // A fold starts from the causes that the whole campaign has settled on.
     let best = match depth {
-        Depth::Full => exchange(bench, subset, pair, entry, threshold)?,
+        Depth::Full => {
+            let pair = periods_again(bench, subset, pair, entry);
+            exchange(bench, subset, pair, entry, threshold)?
+        }
         Depth::Fold => pair,
     };
     drop_idle(bench, subset, best, entry, worth)
+}
+
+/// Each period of a set looked for again where the law stands beside it. A strong ripple bends the law that is fitted without it, and what
+/// that law leaves may show a neighbour's line.
+fn periods_again(bench: &Bench<'_>, subset: &Subset, mut stand: Stand, entry: &mut [f64]) -> Stand {
+    for own in stand.fitted.effects.clone() {
+        if !bench.catalogue[own].is_periodic() {
+            continue;
+        }
+        for _ in 0..MOST_PERIODS {
+            let Some((k, next)) = period_again(bench, subset, &stand, own) else {
+                break;
+            };
+            stand = next;
+            move_last(entry, k);
+        }
+    }
+    stand
+}
+
+/// The set with one period looked for again, where that is better: the cause's place before, and the set, where it stands last.
+fn period_again(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    own: usize,
+) -> Option<(usize, Stand)> {
+    let fitted = &stand.fitted;
+    let k = fitted.effects.iter().position(|&e| e == own)?;
+    let beside = Stand::new(bench, subset, bare(bench, fitted, k)?, stand.sizes);
+    let at = &fitted.parameters[fitted.model.span(k)];
+    let found = scan_period(bench, subset, &beside, likely_scatter(stand), own, at);
+    let asked: Vec<&Candidate> = found.candidates.iter().collect();
+    let fits = joint_fits(bench, subset, &beside, &asked, 2, &[]);
+    let (_, fit, _) = fits.into_iter().next()?;
+    if stand.deviance_of(bench, subset, &fit) > stand.deviance - EXCHANGE {
+        return None;
+    }
+    let found = Scan::empty(bench, Some(stand.sizes));
+    let next = settle(bench, subset, &fit, &found)?;
+    (next.deviance <= stand.deviance - EXCHANGE).then_some((k, next))
+}
+
+/// Entries in the order of a set whose k-th cause was taken out and joined again as the last.
+fn move_last(entry: &mut [f64], k: usize) {
+    let last = entry.len() - 1;
+    entry[k.min(last)..].rotate_left(1);
 }
 
 /// Each cause of a set against every other that comes near in its place. The first cause was the best name for the sum of all
@@ -99,10 +153,10 @@ fn exchange(
             break;
         }
         stand = exchanged;
-        // The newcomer stands last.
-        let last = entry.len() - 1;
-        entry[k.min(last)..].rotate_left(1);
-        entry[last] = log_p;
+        move_last(entry, k);
+        if let Some(last) = entry.last_mut() {
+            *last = log_p;
+        }
     }
     Some(stand)
 }
@@ -217,6 +271,24 @@ pub(crate) fn drop_idle(
         stand = rest;
     }
     Some(stand)
+}
+
+/// A fit with its k-th effect taken out and all else where it was.
+pub(crate) fn bare(bench: &Bench<'_>, fitted: &Fitted, k: usize) -> Option<Fitted> {
+    let mut effects = fitted.effects.clone();
+    effects.remove(k);
+    let model = bench.model(&effects)?;
+    let parameters = without(fitted, k);
+    let prediction = model.predict(&bench.experiment, &parameters);
+    Some(Fitted {
+        effects,
+        model,
+        parameters,
+        prediction,
+        cost: f64::INFINITY,
+        converged: fitted.converged,
+        friction: OnceLock::new(),
+    })
 }
 
 /// Parameters of a fit with its k-th effect taken out.

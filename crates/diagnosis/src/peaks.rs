@@ -44,6 +44,10 @@ const APART: f64 = 0.6;
 /// runs over different places interfere.
 const MOST_RISE: f64 = 2.0;
 
+/// Neighbours of a line on either side, and the ratio of each to the next.
+const NEIGHBOURS: i32 = 8;
+const NEIGHBOUR: f64 = 1.05;
+
 impl Peaks {
     pub(crate) fn none() -> Self {
         Self { found: Vec::new() }
@@ -98,6 +102,18 @@ impl Peaks {
             })
             .collect();
         Self { found }
+    }
+
+    /// The same with further lines for one cause: the neighbours of one, a few per cent apart.
+    pub(crate) fn with_neighbours(mut self, cause: usize, frequency: f64) -> Self {
+        if let Some(looked) = self.found.iter_mut().find(|f| f.cause == cause) {
+            let ratios = (-NEIGHBOURS..=NEIGHBOURS).map(|k| NEIGHBOUR.powi(k));
+            looked.lines.extend(ratios.map(|ratio| Line {
+                frequency: ratio * frequency,
+                background: 1.0,
+            }));
+        }
+        self
     }
 
     fn looked(&self, cause: usize) -> Option<&Looked> {

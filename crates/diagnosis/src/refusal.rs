@@ -5,7 +5,6 @@ use rig::{Reach, Station};
 use crate::bench::Bench;
 use crate::equivalence::{Contest, Opponent};
 use crate::general::{self, Lack};
-use crate::joint::search_price;
 use crate::left::lack;
 use crate::selection::{ALPHA_GENERAL, ALPHA_NAME, MOST_EFFECTS, SHAPE_TOLERANCE, Selected};
 use crate::stand::Stand;
@@ -34,11 +33,8 @@ pub(crate) fn refuse_beaten(
     contests: &[Contest],
 ) -> bool {
     let worth = -2.0 * (ALPHA_NAME / selected.first.asked.max(1) as f64).ln();
-    let named = &selected.stand.fitted.effects;
-    let beaten = contests.iter().zip(named).any(|(contest, &own)| {
-        // A searched period is paid for, by the named cause and by its rival.
-        let charge = |o: &Opponent| search_price(bench, o.cause) - search_price(bench, own);
-        let better = |o: &Opponent| o.excess_deviance + charge(o) < -worth;
+    let beaten = contests.iter().any(|contest| {
+        let better = |o: &Opponent| o.loss() < -worth;
         !(contest.saved > 0.0) || contest.opponents.iter().any(better)
     });
     if beaten {

@@ -208,6 +208,23 @@ pub(crate) fn scan_without(
     scan_with(bench, subset, stand, &peaks, skipped)
 }
 
+/// One periodic cause at the lines of the residual and at the neighbours of one.
+pub(crate) fn scan_period(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    scatter: f64,
+    cause: usize,
+    at: &[f64],
+) -> Scan {
+    let mut peaks = Peaks::find(bench, subset, stand, scatter);
+    if let Some(frequency) = frequency(bench, cause, at) {
+        peaks = peaks.with_neighbours(cause, frequency);
+    }
+    let others: Vec<usize> = (0..bench.catalogue.len()).filter(|&c| c != cause).collect();
+    scan_with(bench, subset, stand, &peaks, &others)
+}
+
 /// The signatures of all causes where there is no residual to search: periods in the middle of their range.
 pub(crate) fn scan_nominal(
     bench: &Bench<'_>,
