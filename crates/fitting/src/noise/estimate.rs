@@ -119,12 +119,13 @@ pub fn estimate(
     let exponential = minimum.point.len() == MORE && options.search != Search::Near;
     if options.smooth && exponential && context.rows.is_empty() {
         let thorough = options.search.is_thorough();
-        minimum = frame.smoother(&criterion, minimum, thorough, &mut evaluations);
-        if minimum.point.len() == MORE
-            && plate_separable
-            && let Some(apart) = frame.two_lengths(&criterion, &minimum, &mut evaluations)
-        {
-            (frame, minimum) = apart;
+        let smoother = frame.smoother(&criterion, &minimum, thorough, &mut evaluations);
+        let apart = plate_separable
+            .then(|| frame.two_lengths(&criterion, &minimum, &mut evaluations))
+            .flatten();
+        let further = smoother.into_iter().chain(apart);
+        if let Some(best) = further.max_by(|a, b| a.saved.total_cmp(&b.saved)) {
+            (frame, minimum) = (best.frame, best.minimum);
         }
     }
     let spacing = frame.sizes(&minimum.point).node_spacing();
@@ -212,6 +213,13 @@ const MOST_RATIO: f64 = 5.0;
 const LONGEST_PLATE_SHARE: f64 = 40.0;
 /// -2 log likelihood that a second length must save.
 const WORTH_SECOND_LENGTH: f64 = 6.0;
+
+/// Roughness with a further number, and what it saves of -2 log likelihood beside an exponential one of one length.
+struct Further {
+    frame: Frame,
+    minimum: search::Minimum,
+    saved: f64,
+}
 
 /// Scales and bounds of the search.
 #[derive(Clone)]
@@ -366,10 +374,10 @@ impl Frame {
     fn smoother(
         &self,
         criterion: &Criterion<'_>,
-        plain: search::Minimum,
+        plain: &search::Minimum,
         thorough: bool,
         evaluations: &mut usize,
-    ) -> search::Minimum {
+    ) -> Option<Further> {
         let on_grid = |point: &[f64], spacing| criterion.value(&self.sizes(point), spacing);
         let probed: Vec<(f64, Vec<f64>)> = PROBES
             .par_iter()
@@ -389,16 +397,14 @@ impl Frame {
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .filter(|(beyond, _)| thorough || *beyond < 0.0);
         *evaluations += 2 * PROBES.len();
-        let Some((_, point)) = likelier else {
-            return plain;
-        };
+        let (_, point) = likelier?;
         let from = if thorough {
             let coarse = COARSE * self.sizes(&point).node_spacing();
             let near = self.near(criterion, &point, coarse);
             *evaluations += near.evaluations + 1;
             // What is not seen there at all will not be worth its price on a finer grid.
             if near.value > on_grid(&plain.point, coarse) - 0.5 * WORTH_SMOOTHING {
-                return plain;
+                return None;
             }
             near.point
         } else {
@@ -411,21 +417,24 @@ impl Frame {
         let saves = |plain: f64| own < plain - WORTH_SMOOTHING;
         *evaluations += 2;
         if !saves(on_grid(&plain.point, spacing)) {
-            return plain;
+            return None;
         }
         // Exponential roughness may have other sizes on this grid.
         let as_fine = self.likeliest_on(criterion, &plain.point, spacing, evaluations);
-        if saves(as_fine) { found } else { plain }
+        saves(as_fine).then(|| Further {
+            frame: self.clone(),
+            minimum: found,
+            saved: as_fine - own,
+        })
     }
 
-    /// A length of its own for the plate's roughness, where that is likelier than one length for both, and the frame that knows it.
-    /// Both sides are compared on one grid.
+    /// A length of its own for the plate's roughness, where that is likelier than one length for both. Both sides are compared on one grid.
     fn two_lengths(
         &self,
         criterion: &Criterion<'_>,
         one: &search::Minimum,
         evaluations: &mut usize,
-    ) -> Option<(Self, search::Minimum)> {
+    ) -> Option<Further> {
         let apart = self.clone().with(More::PlateRatio);
         let on_grid = |point: &[f64], spacing| criterion.value(&apart.sizes(point), spacing);
         let probed: Vec<(f64, Vec<f64>)> = RATIOS
@@ -462,8 +471,12 @@ impl Frame {
         let found = apart.search(criterion, near.point, again, evaluations);
         let spacing = apart.sizes(&found.point).node_spacing();
         let as_one = self.likeliest_on(criterion, &one.point, spacing, evaluations);
-        let worth = on_grid(&found.point, spacing) < as_one - WORTH_SECOND_LENGTH;
-        worth.then_some((apart, found))
+        let saved = as_one - on_grid(&found.point, spacing);
+        (saved > WORTH_SECOND_LENGTH).then_some(Further {
+            frame: apart,
+            minimum: found,
+            saved,
+        })
     }
 
     /// -2 log likelihood of the likeliest exponential roughness of one length on a grid.
