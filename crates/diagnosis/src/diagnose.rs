@@ -131,11 +131,11 @@ pub fn diagnose_fully(
         let floor = answer.noise_floor.rmse;
         gains = gain::judge(bench, &whole, &selected, &ties, floor);
     }
-    if gains.as_ref().is_some_and(Gains::speak_against) {
+    if let Some(against) = gains.as_ref().and_then(Gains::speak_against) {
         let named = selected.stand.fitted.effects.iter();
         let causes: Vec<&str> = named.map(|&e| bench.catalogue[e].id()).collect();
         let taken = format!(
-            "on unseen runs the extension by {} does no better than scrambled ones: it is not named",
+            "on unseen runs the extension by {} {against}: it is not named",
             causes.join(", ")
         );
         take_all_back(bench, &mut selected);

@@ -67,14 +67,20 @@ const BEATEN: f64 = 0.95;
 const WORSE: f64 = 0.5;
 
 impl Gains {
-    /// Whether the unseen runs speak against what was named: scrambled signatures do better there, or as well while what is named
-    /// can explain but a part of the error.
-    pub(crate) fn speak_against(&self) -> bool {
-        self.joint.as_ref().is_some_and(|gain| {
-            let below = |share: f64| gain.placebo_exceeded.is_some_and(|beaten| beaten < share);
-            let a_part = gain.ci95.is_some_and(|[_, most]| most < POSSIBLE);
-            below(WORSE) || (below(BEATEN) && a_part)
-        })
+    /// Why the unseen runs speak against what was named, if they do: scrambled signatures do better there, or as well while what is named
+    /// can explain but a part of the error; no fold found it again; or its gain there may be none.
+    pub(crate) fn speak_against(&self) -> Option<&'static str> {
+        let gain = self.joint.as_ref()?;
+        let below = |share: f64| gain.placebo_exceeded.is_some_and(|beaten| beaten < share);
+        let a_part = gain.ci95.is_some_and(|[_, most]| most < POSSIBLE);
+        if below(WORSE) || (below(BEATEN) && a_part) {
+            return Some("does no better than scrambled ones");
+        }
+        if gain.held_out_rmse_after == gain.held_out_rmse_before {
+            return Some("is not found again by the others");
+        }
+        let none = gain.ci95.is_some_and(|[least, _]| least <= 0.0);
+        none.then_some("gains nothing that is seen")
     }
 
     /// What is left of them where the names were taken back.
