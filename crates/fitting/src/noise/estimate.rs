@@ -23,8 +23,8 @@ pub struct EstimateOptions {
     pub search: Search,
     /// Whether the standard deviations of the sizes are wanted (they cost some thirty evaluations).
     pub uncertainty: bool,
-    /// Whether the roughness may be smoother than exponential, or that of the plate have a length of its own. Where nothing else is asked
-    /// what a law leaves, such roughness also swallows structure that the law misses.
+    /// Whether the roughness may be smoother than exponential. Where nothing else is asked what a law leaves, such roughness also
+    /// swallows structure that the law misses.
     pub smooth: bool,
 }
 
@@ -110,23 +110,16 @@ pub fn estimate(
         .copy_from(&gains);
     let criterion = Criterion::new(context, mean, residual);
     let plate_separable = context.shared_places() > 0.05;
-    let mut frame = Frame::new(context, &criterion, options, plate_separable);
+    let frame = Frame::new(context, &criterion, options, plate_separable);
 
     let start = frame.best_start(&criterion, options);
     let mut evaluations = frame.starts;
     let mut minimum = frame.search(&criterion, start, options.search, &mut evaluations);
     // What rows are the means of is known of exponential roughness only.
-    let exponential = minimum.point.len() == MORE && options.search != Search::Near;
+    let exponential = minimum.point.len() == SMOOTHING && options.search != Search::Near;
     if options.smooth && exponential && context.rows.is_empty() {
         let thorough = options.search.is_thorough();
-        let smoother = frame.smoother(&criterion, &minimum, thorough, &mut evaluations);
-        let apart = plate_separable
-            .then(|| frame.two_lengths(&criterion, &minimum, &mut evaluations))
-            .flatten();
-        let further = smoother.into_iter().chain(apart);
-        if let Some(best) = further.max_by(|a, b| a.saved.total_cmp(&b.saved)) {
-            (frame, minimum) = (best.frame, best.minimum);
-        }
+        minimum = frame.smoother(&criterion, minimum, thorough, &mut evaluations);
     }
     let spacing = frame.sizes(&minimum.point).node_spacing();
     let log_sd = if options.uncertainty {
@@ -179,20 +172,12 @@ fn gain_columns_limited(context: &Context) -> DMatrix<f64> {
     gains
 }
 
-/// Coordinates of the search: logarithms of sensor, private, plate, length and, where the record asks for one, of a further number.
+/// Coordinates of the search: logarithms of sensor, private, plate, length and, where the roughness is not exponential, smoothing.
 const SENSOR: usize = 0;
 const PRIVATE: usize = 1;
 const PLATE: usize = 2;
 const LENGTH: usize = 3;
-const MORE: usize = 4;
-
-/// What the further coordinate is. Roughness is smoother than exponential, or that of the plate has a length of its own; what both at once
-/// would be has not been seen.
-#[derive(Clone, Copy, PartialEq)]
-enum More {
-    Smoothing,
-    PlateRatio,
-}
+const SMOOTHING: usize = 4;
 
 /// Least and most smoothing that is searched: below, no sample shows it; above, the covariance does not change any more.
 const SMOOTHINGS: (f64, f64) = (0.05, 0.95);
@@ -205,33 +190,14 @@ const COARSE: f64 = 3.0;
 /// -2 log likelihood that smoothing must save, or the roughness is taken as exponential.
 const WORTH_SMOOTHING: f64 = 2.0;
 
-/// Ratios of the two lengths that are tried beside one, and the power of them by which the private length moves,
-const RATIOS: [(f64, f64); 4] = [(0.4, 0.0), (0.4, -0.5), (2.5, 0.0), (2.5, -0.5)];
-/// and the most that is searched either way: a field of the plate with a length far beyond all else is a law's or a surface's bend.
-const MOST_RATIO: f64 = 5.0;
-/// The plate's length over the longest of a roughness that is longer than the private one.
-const LONGEST_PLATE_SHARE: f64 = 40.0;
-/// -2 log likelihood that a second length must save.
-const WORTH_SECOND_LENGTH: f64 = 6.0;
-
-/// Roughness with a further number, and what it saves of -2 log likelihood beside an exponential one of one length.
-struct Further {
-    frame: Frame,
-    minimum: search::Minimum,
-    saved: f64,
-}
-
 /// Scales and bounds of the search.
-#[derive(Clone)]
 struct Frame {
     bounds: Vec<(f64, f64)>,
-    more: More,
     plate: bool,
     relative: f64,
     absolute: f64,
     starts: usize,
     lengths: (f64, f64),
-    longest_plate: f64,
 }
 
 impl Frame {
@@ -265,35 +231,17 @@ impl Frame {
             ((relative * 1e-4).ln(), (relative * 6.0).ln()),
             ((relative * 1e-4).ln(), (relative * 6.0).ln()),
             (lengths.0.ln(), lengths.1.ln()),
-            (0.0, 0.0),
+            (SMOOTHINGS.0.ln(), SMOOTHINGS.1.ln()),
         ];
-        let own_length = options.search.start().map_or(1.0, |s| s.plate_ratio) != 1.0;
         Self {
             bounds,
-            more: More::Smoothing,
             plate,
             relative,
             absolute,
             starts: 0,
             lengths,
-            longest_plate: span / LONGEST_PLATE_SHARE,
         }
         .counting(options)
-        .with(if own_length {
-            More::PlateRatio
-        } else {
-            More::Smoothing
-        })
-    }
-
-    /// The same with another further coordinate.
-    fn with(mut self, more: More) -> Self {
-        self.more = more;
-        self.bounds[MORE] = match more {
-            More::Smoothing => (SMOOTHINGS.0.ln(), SMOOTHINGS.1.ln()),
-            More::PlateRatio => (-MOST_RATIO.ln(), MOST_RATIO.ln()),
-        };
-        self
     }
 
     fn counting(mut self, options: &EstimateOptions) -> Self {
@@ -306,17 +254,12 @@ impl Frame {
     }
 
     fn sizes(&self, x: &[f64]) -> Sizes {
-        let more = |kind: More| x.get(MORE).filter(|_| self.more == kind);
-        let length = x[LENGTH].exp();
-        let ratio = more(More::PlateRatio).map_or(1.0, |s| s.exp());
-        let longest = (self.longest_plate / length).max(1.0);
         Sizes {
             sensor: x[SENSOR].exp(),
             private: x[PRIVATE].exp(),
             plate: if self.plate { x[PLATE].exp() } else { 0.0 },
-            length,
-            smoothing: more(More::Smoothing).map_or(0.0, |s| s.exp()),
-            plate_ratio: ratio.min(longest),
+            length: x[LENGTH].exp(),
+            smoothing: x.get(SMOOTHING).map_or(0.0, |s| s.exp()),
             scatter: 0.0,
         }
     }
@@ -335,8 +278,7 @@ impl Frame {
         bounds.truncate(start.len());
         let mut again = true;
         loop {
-            let length = |x: &[f64]| self.sizes(x).plate_length().ln();
-            let begun = length(&start);
+            let begun = start[LENGTH];
             let spacing = self.sizes(&start).node_spacing();
             let on = |spacing: f64| move |x: &[f64]| criterion.value(&self.sizes(x), spacing);
             let mut inverse = None;
@@ -351,7 +293,7 @@ impl Frame {
             let found = search::minimise_from(&on(spacing), &start, inverse, &bounds, 25);
             *evaluations += found.evaluations;
             // The grid's spacing follows the length: search again only where it moved far, and once.
-            let moved = (length(&found.point) - begun).abs();
+            let moved = (found.point[LENGTH] - begun).abs();
             if moved < 0.7 || !again {
                 return found;
             }
@@ -374,10 +316,10 @@ impl Frame {
     fn smoother(
         &self,
         criterion: &Criterion<'_>,
-        plain: &search::Minimum,
+        plain: search::Minimum,
         thorough: bool,
         evaluations: &mut usize,
-    ) -> Option<Further> {
+    ) -> search::Minimum {
         let on_grid = |point: &[f64], spacing| criterion.value(&self.sizes(point), spacing);
         let probed: Vec<(f64, Vec<f64>)> = PROBES
             .par_iter()
@@ -397,14 +339,16 @@ impl Frame {
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .filter(|(beyond, _)| thorough || *beyond < 0.0);
         *evaluations += 2 * PROBES.len();
-        let (_, point) = likelier?;
+        let Some((_, point)) = likelier else {
+            return plain;
+        };
         let from = if thorough {
             let coarse = COARSE * self.sizes(&point).node_spacing();
             let near = self.near(criterion, &point, coarse);
             *evaluations += near.evaluations + 1;
             // What is not seen there at all will not be worth its price on a finer grid.
             if near.value > on_grid(&plain.point, coarse) - 0.5 * WORTH_SMOOTHING {
-                return None;
+                return plain;
             }
             near.point
         } else {
@@ -417,80 +361,13 @@ impl Frame {
         let saves = |plain: f64| own < plain - WORTH_SMOOTHING;
         *evaluations += 2;
         if !saves(on_grid(&plain.point, spacing)) {
-            return None;
+            return plain;
         }
         // Exponential roughness may have other sizes on this grid.
-        let as_fine = self.likeliest_on(criterion, &plain.point, spacing, evaluations);
-        saves(as_fine).then(|| Further {
-            frame: self.clone(),
-            minimum: found,
-            saved: as_fine - own,
-        })
-    }
-
-    /// A length of its own for the plate's roughness, where that is likelier than one length for both. Both sides are compared on one grid.
-    fn two_lengths(
-        &self,
-        criterion: &Criterion<'_>,
-        one: &search::Minimum,
-        evaluations: &mut usize,
-    ) -> Option<Further> {
-        let apart = self.clone().with(More::PlateRatio);
-        let on_grid = |point: &[f64], spacing| criterion.value(&apart.sizes(point), spacing);
-        let probed: Vec<(f64, Vec<f64>)> = RATIOS
-            .par_iter()
-            .map(|&(ratio, moved)| {
-                // What roughness does over short ways, its variance over its length, stays.
-                let mut point = one.point.clone();
-                point[LENGTH] += moved * ratio.ln();
-                point[PRIVATE] += 0.5 * moved * ratio.ln();
-                point[PLATE] += 0.5 * (1.0 + moved) * ratio.ln();
-                point.push(ratio.ln());
-                let finer = apart
-                    .sizes(&point)
-                    .node_spacing()
-                    .min(apart.sizes(&one.point).node_spacing());
-                let spacing = COARSE * finer;
-                (
-                    on_grid(&point, spacing) - on_grid(&one.point, spacing),
-                    point,
-                )
-            })
-            .collect();
-        *evaluations += 2 * RATIOS.len();
-        let (_, start) = (probed.into_iter())
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-            .filter(|(beyond, _)| *beyond < WORTH_SECOND_LENGTH)?;
-        let coarse = COARSE * apart.sizes(&start).node_spacing();
-        let near = apart.near(criterion, &start, coarse);
-        *evaluations += near.evaluations + 1;
-        if near.value > on_grid(&one.point, coarse) - 0.5 * WORTH_SECOND_LENGTH {
-            return None;
-        }
-        let again = Search::Again(apart.sizes(&near.point));
-        let found = apart.search(criterion, near.point, again, evaluations);
-        let spacing = apart.sizes(&found.point).node_spacing();
-        let as_one = self.likeliest_on(criterion, &one.point, spacing, evaluations);
-        let saved = as_one - on_grid(&found.point, spacing);
-        (saved > WORTH_SECOND_LENGTH).then_some(Further {
-            frame: apart,
-            minimum: found,
-            saved,
-        })
-    }
-
-    /// -2 log likelihood of the likeliest exponential roughness of one length on a grid.
-    fn likeliest_on(
-        &self,
-        criterion: &Criterion<'_>,
-        point: &[f64],
-        spacing: f64,
-        evaluations: &mut usize,
-    ) -> f64 {
-        let on_grid = |x: &[f64]| criterion.value(&self.sizes(x), spacing);
-        let found = search::minimise(&on_grid, point, &self.bounds[..MORE], 25);
-        *evaluations += found.evaluations;
-        found.value
+        let (bounds, f) = (&self.bounds[..SMOOTHING], |x: &[f64]| on_grid(x, spacing));
+        let as_fine = search::minimise(&f, &plain.point, bounds, 25);
+        *evaluations += as_fine.evaluations;
+        if saves(as_fine.value) { found } else { plain }
     }
 
     /// The former sizes, or the best of a coarse grid over length and share of the sensor noise.
@@ -508,13 +385,7 @@ impl Frame {
                     .ln()
                     .clamp(self.bounds[LENGTH].0, self.bounds[LENGTH].1),
             ];
-            if self.more == More::PlateRatio {
-                start.push(
-                    s.plate_ratio
-                        .ln()
-                        .clamp(self.bounds[MORE].0, self.bounds[MORE].1),
-                );
-            } else if s.smoothing > 0.0 {
+            if s.smoothing > 0.0 {
                 start.push(s.smoothing.ln());
             }
             return start;
