@@ -38,6 +38,7 @@ fn rows(material: &str) -> Vec<Row> {
         plate: noise.roughness * noise.plate_share.sqrt(),
         length: noise.correlation_m,
         smoothing: 0.0,
+        plate_ratio: 1.0,
         scatter: noise.scatter,
     };
     let campaign = campaign::open(&folder.join(format!("brush-2x2-{material}"))).unwrap();

@@ -48,6 +48,8 @@ pub struct NoiseFloor {
     pub roughness_length: f64,
     /// Length of the filter that the roughness has passed, as a share of that length: 0 is an exponential covariance.
     pub roughness_smoothing: f64,
+    /// Correlation length of the roughness fixed to the plate over that of the private one.
+    pub roughness_plate_ratio: f64,
     /// Scatter between runs, relative.
     pub scatter: f64,
     /// What could not be estimated and why; empty where all could.

@@ -305,6 +305,7 @@ impl<'a> Bench<'a> {
             plate: 0.0,
             length: ((hi - lo) / 150.0).max(1e-9),
             smoothing: 0.0,
+            plate_ratio: 1.0,
             scatter: 0.01,
         }
     }

@@ -80,6 +80,7 @@ pub fn design(campaign: &Campaign, options: &Options) -> Result<Design, Diagnosi
         plate: half,
         length: (hi - lo) / 200.0,
         smoothing: 0.0,
+        plate_ratio: 1.0,
         scatter: NOMINAL_SCATTER,
     };
     let subset = Subset::all(&bench);
@@ -144,6 +145,7 @@ pub fn design(campaign: &Campaign, options: &Options) -> Result<Design, Diagnosi
             roughness_plate: sizes.plate,
             roughness_length: sizes.length,
             roughness_smoothing: sizes.smoothing,
+            roughness_plate_ratio: sizes.plate_ratio,
             scatter: sizes.scatter,
             caveats: vec!["nothing of the forces was read: noise and friction are nominal".into()],
         },

@@ -143,6 +143,7 @@ pub(crate) fn noise_floor(
         roughness_plate: sizes.plate,
         roughness_length: sizes.length,
         roughness_smoothing: sizes.smoothing,
+        roughness_plate_ratio: sizes.plate_ratio,
         scatter: sizes.scatter,
         caveats,
     }

@@ -212,6 +212,7 @@ impl Task<'_> {
                 plate: 0.0,
                 length: self.experiment.scales.travel_m,
                 smoothing: 0.0,
+                plate_ratio: 1.0,
                 scatter: 0.0,
             },
             log_sd: Vec::new(),

@@ -14,8 +14,8 @@ fn draw(generator: &mut ChaCha8Rng) -> f64 {
 }
 
 /// A path of roughness of unit variance at increasing places.
-fn path(places: &[f64], sizes: &Sizes, generator: &mut ChaCha8Rng) -> Vec<f64> {
-    Roughness::new(sizes).path(places, || draw(generator))
+fn path(places: &[f64], roughness: Roughness, generator: &mut ChaCha8Rng) -> Vec<f64> {
+    roughness.path(places, || draw(generator))
 }
 
 /// The campaign with its forces replaced by `force_n` under fresh noise.
@@ -35,14 +35,17 @@ pub(crate) fn with_fresh_noise(
     order.sort_by(|&a, &b| places[a].total_cmp(&places[b]).then(a.cmp(&b)));
     let sorted: Vec<f64> = order.iter().map(|&i| places[i]).collect();
     let mut plate = vec![0.0; places.len()];
-    for (&i, value) in order.iter().zip(path(&sorted, sizes, generator)) {
+    for (&i, value) in order
+        .iter()
+        .zip(path(&sorted, Roughness::of_plate(sizes), generator))
+    {
         plate[i] = value;
     }
     let mut fresh = campaign.clone();
     fresh.provenance = Provenance::Synthetic;
     for (run, motion) in fresh.runs.iter_mut().zip(&experiment.runs) {
         let gain = sizes.scatter * draw(generator);
-        let private = path(&motion.distance_m, sizes, generator);
+        let private = path(&motion.distance_m, Roughness::private(sizes), generator);
         for (k, i) in motion.samples.clone().enumerate() {
             let factor = 1.0 + gain + sizes.private * private[k] + sizes.plate * plate[i];
             run.force_n[k] = force_n[i] * factor + sizes.sensor * draw(generator);
@@ -66,11 +69,12 @@ mod tests {
                 plate: 0.0,
                 length: 1.0,
                 smoothing,
+                plate_ratio: 1.0,
                 scatter: 0.0,
             };
             let mut generator = ChaCha8Rng::seed_from_u64(3);
             let places: Vec<f64> = (0..60_000).map(|i| 0.5 * f64::from(i)).collect();
-            let x = path(&places, &sizes, &mut generator);
+            let x = path(&places, Roughness::private(&sizes), &mut generator);
             let n = x.len() as f64;
             let variance = x.iter().map(|a| a * a).sum::<f64>() / n;
             let one_length = x.iter().zip(&x[2..]).map(|(a, b)| a * b).sum::<f64>() / n;

@@ -208,6 +208,7 @@ fn a_prediction_band_holds_its_share_of_new_campaigns() {
             plate: 0.004,
             length: 2e-3,
             smoothing: 0.0,
+            plate_ratio: 1.0,
             scatter: 0.006,
         },
     };

@@ -123,6 +123,7 @@ impl Oracle {
             plate: noise.roughness * noise.plate_share.sqrt(),
             length: noise.correlation_m,
             smoothing: 0.0,
+            plate_ratio: 1.0,
             scatter: 0.0,
         };
         let whitener = Whitener::new(&context, &sizes);

@@ -268,13 +268,13 @@ impl Along {
         unresolved: f64,
     ) -> Self {
         let n = context.samples();
-        let roughness = Roughness::new(sizes);
+        let roughness = Roughness::private(sizes);
         let stationary = Covariance::<N>::stationary(
             sizes.private * sizes.private,
             sizes.plate * sizes.plate * unresolved,
             roughness,
         );
-        let between = sizes.length * unresolved.max(1e-6);
+        let between = sizes.plate_length() * unresolved.max(1e-6);
         let white = sizes.sensor * sizes.sensor;
         let colours = undone.colours(&context.runs);
         let mut filter = Self {

@@ -32,10 +32,12 @@ pub struct Sizes {
     pub private: f64,
     /// Relative standard deviation of the roughness fixed to the plate.
     pub plate: f64,
-    /// Correlation length of both roughnesses, m (or rad).
+    /// Correlation length of the private roughness, m (or rad).
     pub length: f64,
-    /// Length of the filter that both have passed, as a share of `length`: 0 is none, see [`super::Roughness`].
+    /// Length of the filter that both roughnesses have passed, as a share of their lengths: 0 is none, see [`super::Roughness`].
     pub smoothing: f64,
+    /// Correlation length of the plate's roughness over that of the private one; 1 unless the record says otherwise.
+    pub plate_ratio: f64,
     /// Relative standard deviation of the gain of a run.
     pub scatter: f64,
 }
@@ -51,6 +53,11 @@ const NODES_PER_LENGTH: f64 = 12.0;
 const FINEST: f64 = 3.0;
 
 impl Sizes {
+    /// Correlation length of the plate's roughness, m (or rad).
+    pub fn plate_length(&self) -> f64 {
+        self.length * self.plate_ratio
+    }
+
     /// Spacing of the grid that carries the plate's field, m (or rad): finer the more the plate outweighs the private roughness.
     pub fn node_spacing(&self) -> f64 {
         let finer = if self.plate > self.private {
@@ -58,7 +65,7 @@ impl Sizes {
         } else {
             1.0
         };
-        self.length / (NODES_PER_LENGTH * finer)
+        self.plate_length() / (NODES_PER_LENGTH * finer)
     }
 }
 

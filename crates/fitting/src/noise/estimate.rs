@@ -23,8 +23,8 @@ pub struct EstimateOptions {
     pub search: Search,
     /// Whether the standard deviations of the sizes are wanted (they cost some thirty evaluations).
     pub uncertainty: bool,
-    /// Whether the roughness may be smoother than exponential. Where nothing else is asked what a law leaves, such roughness also
-    /// swallows structure that the law misses.
+    /// Whether the roughness may be smoother than exponential, or that of the plate have a length of its own. Where nothing else is asked
+    /// what a law leaves, such roughness also swallows structure that the law misses.
     pub smooth: bool,
 }
 
@@ -110,16 +110,23 @@ pub fn estimate(
         .copy_from(&gains);
     let criterion = Criterion::new(context, mean, residual);
     let plate_separable = context.shared_places() > 0.05;
-    let frame = Frame::new(context, &criterion, options, plate_separable);
+    let mut frame = Frame::new(context, &criterion, options, plate_separable);
 
     let start = frame.best_start(&criterion, options);
     let mut evaluations = frame.starts;
     let mut minimum = frame.search(&criterion, start, options.search, &mut evaluations);
     // What rows are the means of is known of exponential roughness only.
-    let exponential = minimum.point.len() == SMOOTHING && options.search != Search::Near;
+    let exponential = minimum.point.len() == MORE && options.search != Search::Near;
     if options.smooth && exponential && context.rows.is_empty() {
         let thorough = options.search.is_thorough();
-        minimum = frame.smoother(&criterion, minimum, thorough, &mut evaluations);
+        let smoother = frame.smoother(&criterion, &minimum, thorough, &mut evaluations);
+        let apart = plate_separable
+            .then(|| frame.two_lengths(&criterion, &minimum, &mut evaluations))
+            .flatten();
+        let further = smoother.into_iter().chain(apart);
+        if let Some(best) = further.max_by(|a, b| a.saved.total_cmp(&b.saved)) {
+            (frame, minimum) = (best.frame, best.minimum);
+        }
     }
     let spacing = frame.sizes(&minimum.point).node_spacing();
     let log_sd = if options.uncertainty {
@@ -172,32 +179,41 @@ fn gain_columns_limited(context: &Context) -> DMatrix<f64> {
     gains
 }
 
-/// Coordinates of the search: logarithms of sensor, private, plate, length and, where the roughness is not exponential, smoothing.
+/// Coordinates of the search: logarithms of sensor, private, plate, length and, where the record asks for one, of a further number.
 const SENSOR: usize = 0;
-const PRIVATE: usize = 1;
-const PLATE: usize = 2;
-const LENGTH: usize = 3;
-const SMOOTHING: usize = 4;
+pub(super) const PRIVATE: usize = 1;
+pub(super) const PLATE: usize = 2;
+pub(super) const LENGTH: usize = 3;
+pub(super) const MORE: usize = 4;
+
+/// What the further coordinate is. Roughness is smoother than exponential, or that of the plate has a length of its own; what both at once
+/// would be has not been seen.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum More {
+    Smoothing,
+    PlateRatio,
+}
 
 /// Least and most smoothing that is searched: below, no sample shows it; above, the covariance does not change any more.
 const SMOOTHINGS: (f64, f64) = (0.05, 0.95);
-/// Smoothings that are tried beside exponential roughness, and lengths over which the roughness is alike as shares of the one found
-/// (exponential roughness makes up for what it lacks in smoothness by length).
-const PROBES: [(f64, f64); 4] = [(0.15, 1.0), (0.6, 1.0), (0.6, 0.4), (0.6, 0.15)];
 /// Spacing of the plate's nodes over their own on which the sizes are searched for first: near enough for a few steps on the fine
 /// grid to end the search, at a fraction of its price.
-const COARSE: f64 = 3.0;
-/// -2 log likelihood that smoothing must save, or the roughness is taken as exponential.
-const WORTH_SMOOTHING: f64 = 2.0;
-
+pub(super) const COARSE: f64 = 3.0;
+/// Most ratio of the two lengths that is searched, either way: a field of the plate with a length far beyond all else is a law's or a surface's bend.
+const MOST_RATIO: f64 = 5.0;
+/// The plate's length over the longest of a roughness that is longer than the private one.
+const LONGEST_PLATE_SHARE: f64 = 40.0;
 /// Scales and bounds of the search.
-struct Frame {
-    bounds: Vec<(f64, f64)>,
+#[derive(Clone)]
+pub(super) struct Frame {
+    pub(super) bounds: Vec<(f64, f64)>,
+    more: More,
     plate: bool,
     relative: f64,
     absolute: f64,
     starts: usize,
     lengths: (f64, f64),
+    longest_plate: f64,
 }
 
 impl Frame {
@@ -231,17 +247,35 @@ impl Frame {
             ((relative * 1e-4).ln(), (relative * 6.0).ln()),
             ((relative * 1e-4).ln(), (relative * 6.0).ln()),
             (lengths.0.ln(), lengths.1.ln()),
-            (SMOOTHINGS.0.ln(), SMOOTHINGS.1.ln()),
+            (0.0, 0.0),
         ];
+        let own_length = options.search.start().map_or(1.0, |s| s.plate_ratio) != 1.0;
         Self {
             bounds,
+            more: More::Smoothing,
             plate,
             relative,
             absolute,
             starts: 0,
             lengths,
+            longest_plate: span / LONGEST_PLATE_SHARE,
         }
         .counting(options)
+        .with(if own_length {
+            More::PlateRatio
+        } else {
+            More::Smoothing
+        })
+    }
+
+    /// The same with another further coordinate.
+    pub(super) fn with(mut self, more: More) -> Self {
+        self.more = more;
+        self.bounds[MORE] = match more {
+            More::Smoothing => (SMOOTHINGS.0.ln(), SMOOTHINGS.1.ln()),
+            More::PlateRatio => (-MOST_RATIO.ln(), MOST_RATIO.ln()),
+        };
+        self
     }
 
     fn counting(mut self, options: &EstimateOptions) -> Self {
@@ -253,20 +287,25 @@ impl Frame {
         self
     }
 
-    fn sizes(&self, x: &[f64]) -> Sizes {
+    pub(super) fn sizes(&self, x: &[f64]) -> Sizes {
+        let more = |kind: More| x.get(MORE).filter(|_| self.more == kind);
+        let length = x[LENGTH].exp();
+        let ratio = more(More::PlateRatio).map_or(1.0, |s| s.exp());
+        let longest = (self.longest_plate / length).max(1.0);
         Sizes {
             sensor: x[SENSOR].exp(),
             private: x[PRIVATE].exp(),
             plate: if self.plate { x[PLATE].exp() } else { 0.0 },
-            length: x[LENGTH].exp(),
-            smoothing: x.get(SMOOTHING).map_or(0.0, |s| s.exp()),
+            length,
+            smoothing: more(More::Smoothing).map_or(0.0, |s| s.exp()),
+            plate_ratio: ratio.min(longest),
             scatter: 0.0,
         }
     }
 
     /// The likeliest sizes from a start that has the smoothing or has it not; one that is far from them is first brought near on a
     /// coarse grid.
-    fn search(
+    pub(super) fn search(
         &self,
         criterion: &Criterion<'_>,
         mut start: Vec<f64>,
@@ -278,7 +317,8 @@ impl Frame {
         bounds.truncate(start.len());
         let mut again = true;
         loop {
-            let begun = start[LENGTH];
+            let length = |x: &[f64]| self.sizes(x).plate_length().ln();
+            let begun = length(&start);
             let spacing = self.sizes(&start).node_spacing();
             let on = |spacing: f64| move |x: &[f64]| criterion.value(&self.sizes(x), spacing);
             let mut inverse = None;
@@ -293,7 +333,7 @@ impl Frame {
             let found = search::minimise_from(&on(spacing), &start, inverse, &bounds, 25);
             *evaluations += found.evaluations;
             // The grid's spacing follows the length: search again only where it moved far, and once.
-            let moved = (found.point[LENGTH] - begun).abs();
+            let moved = (length(&found.point) - begun).abs();
             if moved < 0.7 || !again {
                 return found;
             }
@@ -303,71 +343,15 @@ impl Frame {
     }
 
     /// The likeliest sizes on one grid.
-    fn near(&self, criterion: &Criterion<'_>, start: &[f64], spacing: f64) -> search::Minimum {
+    pub(super) fn near(
+        &self,
+        criterion: &Criterion<'_>,
+        start: &[f64],
+        spacing: f64,
+    ) -> search::Minimum {
         let bounds = &self.bounds[..start.len()];
         let on_grid = |x: &[f64]| criterion.value(&self.sizes(x), spacing);
         search::minimise(&on_grid, start, bounds, 25)
-    }
-
-    /// Roughness that is smoother than exponential, where that is likelier than `plain`. Unless the search is thorough a smoothing
-    /// counts only if it is seen at once.
-    ///
-    /// Shorter lengths have finer grids, and a finer grid alone is likelier: both sides are always compared on the same one.
-    fn smoother(
-        &self,
-        criterion: &Criterion<'_>,
-        plain: search::Minimum,
-        thorough: bool,
-        evaluations: &mut usize,
-    ) -> search::Minimum {
-        let on_grid = |point: &[f64], spacing| criterion.value(&self.sizes(point), spacing);
-        let probed: Vec<(f64, Vec<f64>)> = PROBES
-            .par_iter()
-            .map(|&(smoothing, share)| {
-                // Roughness is alike over l (1 + rho).
-                let mut point = plain.point.clone();
-                point[LENGTH] += (share / (1.0 + smoothing)).ln();
-                point.push(smoothing.ln());
-                let spacing = self.sizes(&point).node_spacing();
-                (
-                    on_grid(&point, spacing) - on_grid(&plain.point, spacing),
-                    point,
-                )
-            })
-            .collect();
-        let likelier = (probed.into_iter())
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-            .filter(|(beyond, _)| thorough || *beyond < 0.0);
-        *evaluations += 2 * PROBES.len();
-        let Some((_, point)) = likelier else {
-            return plain;
-        };
-        let from = if thorough {
-            let coarse = COARSE * self.sizes(&point).node_spacing();
-            let near = self.near(criterion, &point, coarse);
-            *evaluations += near.evaluations + 1;
-            // What is not seen there at all will not be worth its price on a finer grid.
-            if near.value > on_grid(&plain.point, coarse) - 0.5 * WORTH_SMOOTHING {
-                return plain;
-            }
-            near.point
-        } else {
-            point
-        };
-        let again = Search::Again(self.sizes(&from));
-        let found = self.search(criterion, from, again, evaluations);
-        let spacing = self.sizes(&found.point).node_spacing();
-        let own = on_grid(&found.point, spacing);
-        let saves = |plain: f64| own < plain - WORTH_SMOOTHING;
-        *evaluations += 2;
-        if !saves(on_grid(&plain.point, spacing)) {
-            return plain;
-        }
-        // Exponential roughness may have other sizes on this grid.
-        let (bounds, f) = (&self.bounds[..SMOOTHING], |x: &[f64]| on_grid(x, spacing));
-        let as_fine = search::minimise(&f, &plain.point, bounds, 25);
-        *evaluations += as_fine.evaluations;
-        if saves(as_fine.value) { found } else { plain }
     }
 
     /// The former sizes, or the best of a coarse grid over length and share of the sensor noise.
@@ -385,7 +369,13 @@ impl Frame {
                     .ln()
                     .clamp(self.bounds[LENGTH].0, self.bounds[LENGTH].1),
             ];
-            if s.smoothing > 0.0 {
+            if self.more == More::PlateRatio {
+                start.push(
+                    s.plate_ratio
+                        .ln()
+                        .clamp(self.bounds[MORE].0, self.bounds[MORE].1),
+                );
+            } else if s.smoothing > 0.0 {
                 start.push(s.smoothing.ln());
             }
             return start;

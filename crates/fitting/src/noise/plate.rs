@@ -79,8 +79,8 @@ impl Grid {
     /// Share of the field's variance that lies between the nodes, the mean over a cell.
     pub(super) fn unresolved(&self, sizes: &Sizes) -> f64 {
         const POINTS: usize = 32;
-        let h = self.spacing / sizes.length;
-        let roughness = Roughness::new(sizes);
+        let h = self.spacing / sizes.plate_length();
+        let roughness = Roughness::of_plate(sizes);
         let beside = roughness.correlation(self.spacing);
         let sum: f64 = (0..POINTS)
             .map(|k| {
@@ -90,8 +90,8 @@ impl Grid {
                 if roughness.is_exponential() {
                     return 1.0 - (left * (-a).exp() + right * (-b).exp());
                 }
-                let seen = left * roughness.correlation(a * sizes.length)
-                    + right * roughness.correlation(b * sizes.length);
+                let seen = left * roughness.correlation(a * sizes.plate_length())
+                    + right * roughness.correlation(b * sizes.plate_length());
                 1.0 - 2.0 * seen + left * left + right * right + 2.0 * left * right * beside
             })
             .sum();
@@ -102,7 +102,7 @@ impl Grid {
     /// (q_j - a q_{j+1} - b q_{j+2}) / (plate sqrt(noise)), then the last but one beside the last, then the last (see
     /// [`Roughness::nodes`]; b is zero where the roughness is exponential).
     pub(super) fn precision_root(&self, sizes: &Sizes) -> PrecisionRoot {
-        let [a, b, noise, beside] = Roughness::new(sizes).nodes(self.spacing);
+        let [a, b, noise, beside] = Roughness::of_plate(sizes).nodes(self.spacing);
         let inner = 1.0 / (sizes.plate * noise.sqrt());
         let last_but_one = 1.0 / (sizes.plate * (1.0 - beside * beside).sqrt());
         PrecisionRoot {
@@ -220,7 +220,7 @@ impl Rows {
             state.fill(nothing);
             let (mut lo, mut hi) = (0, 0);
             for i in run.clone() {
-                grid.seen(context, i, sizes.length, &mut seen);
+                grid.seen(context, i, sizes.plate_length(), &mut seen);
                 let ends = (seen.first, seen.first + seen.weights.len());
                 let decay = along.decay[i];
                 let driver = along.driver(i);

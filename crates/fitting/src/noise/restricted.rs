@@ -50,38 +50,28 @@ impl<'a> Criterion<'a> {
         (self.columns.column(p).norm_squared() / self.degrees_of_freedom().max(1) as f64).sqrt()
     }
 
+    /// The same with one more column in the mean.
+    pub(super) fn with_column(&self, column: &DVector<f64>) -> Self {
+        let p = self.columns.ncols() - 1;
+        let mut column = column.clone();
+        self.context.channel.lag.take_out(column.as_mut_slice());
+        let mut mean = self.columns.clone();
+        mean.set_column(p, &column);
+        let basis = orthonormal_basis(&mean);
+        let residual = self.columns.column(p);
+        let rest = residual - &basis * basis.tr_mul(&residual);
+        let last = basis.ncols();
+        let mut columns = basis.resize_horizontally(last + 1, 0.0);
+        columns.set_column(last, &rest);
+        Self {
+            context: self.context,
+            columns,
+        }
+    }
+
     /// C of (N3); infinite where the sizes make no covariance.
     pub(super) fn value(&self, sizes: &Sizes, spacing: f64) -> f64 {
-        let grid = Grid::new(self.context, spacing);
-        let with_plate = sizes.plate > 0.0;
-        let undone = self.context.undone(sizes);
-        let along = Along::new(self.context, sizes, &undone, grid.unresolved(sizes));
-        let mut columns = self.columns.clone();
-        let n = columns.nrows();
-        let mut parts: Vec<&mut [f64]> = columns.as_mut_slice().chunks_mut(n).collect();
-        parts
-            .iter_mut()
-            .for_each(|column| undone.take_out_rings(column));
-        along.whiten(&mut parts);
-        let mut gram = gram(&columns);
-        let mut log_det = along.log_det - 2.0 * undone.log_det();
-        if with_plate {
-            let rows = Rows::new(self.context, sizes, &grid, &along);
-            let information = Information::new(&rows, &grid, sizes);
-            log_det += information.log_det;
-            let mut seen = DMatrix::zeros(grid.nodes, columns.ncols());
-            let parts: Vec<&[f64]> = columns.as_slice().chunks(n).collect();
-            for (c, block) in parts.chunks(TOGETHER).enumerate() {
-                let mut b = rows.transpose_times(block, grid.nodes);
-                information.solve_lower(&mut b);
-                for k in 0..block.len() {
-                    for (slot, b) in seen.column_mut(c * TOGETHER + k).iter_mut().zip(&b) {
-                        *slot = b[k];
-                    }
-                }
-            }
-            gram -= super::restricted::gram(&seen);
-        }
+        let (gram, log_det) = self.whitened(self.columns.clone(), sizes, spacing);
         let p = gram.nrows() - 1;
         let Some(factor) = Cholesky::new(gram.view((0, 0), (p, p)).into_owned()) else {
             return f64::INFINITY;
@@ -100,6 +90,87 @@ impl<'a> Criterion<'a> {
         } else {
             f64::INFINITY
         }
+    }
+
+    /// (x' P r)^2 / (x' P x) of each of the columns x: what r' P r falls by with that column in the mean.
+    pub(super) fn scores(
+        &self,
+        further: &DMatrix<f64>,
+        sizes: &Sizes,
+        spacing: f64,
+    ) -> Option<Vec<f64>> {
+        let (p, q) = (self.columns.ncols() - 1, further.ncols());
+        let mut columns = self.columns.clone().resize_horizontally(p + 1 + q, 0.0);
+        for (k, column) in further.column_iter().enumerate() {
+            columns.set_column(p + 1 + k, &column);
+            let mut column = columns.column_mut(p + 1 + k);
+            self.context.channel.lag.take_out(column.as_mut_slice());
+        }
+        let (gram, _) = self.whitened(columns, sizes, spacing);
+        let factor = Cholesky::new(gram.view((0, 0), (p, p)).into_owned())?;
+        let cross = gram.view((0, p), (p, 1 + q)).into_owned();
+        let seen = factor.solve(&cross);
+        let left = |a: usize, b: usize| gram[(p + a, p + b)] - cross.column(a).dot(&seen.column(b));
+        let each = (1..=q).map(|k| left(0, k).powi(2) / left(k, k));
+        Some(
+            each.map(|score| if score.is_finite() { score } else { 0.0 })
+                .collect(),
+        )
+    }
+
+    /// Friction beyond places of the plate, evenly chosen, as columns.
+    pub(super) fn steps(&self, places: usize) -> DMatrix<f64> {
+        let (lo, hi) = self.context.extent();
+        let mut steps = DMatrix::from_fn(self.columns.nrows(), places, |i, k| {
+            let at = lo + (hi - lo) * (k as f64 + 0.5) / places as f64;
+            if self.context.place[i] > at {
+                self.context.scale[i]
+            } else {
+                0.0
+            }
+        });
+        for mut step in steps.column_iter_mut() {
+            self.context.recorded(step.as_mut_slice());
+        }
+        steps
+    }
+
+    /// The columns' Gram matrix X' V^-1 X, and log det V.
+    fn whitened(
+        &self,
+        mut columns: DMatrix<f64>,
+        sizes: &Sizes,
+        spacing: f64,
+    ) -> (DMatrix<f64>, f64) {
+        let grid = Grid::new(self.context, spacing);
+        let undone = self.context.undone(sizes);
+        let along = Along::new(self.context, sizes, &undone, grid.unresolved(sizes));
+        let n = columns.nrows();
+        let mut parts: Vec<&mut [f64]> = columns.as_mut_slice().chunks_mut(n).collect();
+        parts
+            .iter_mut()
+            .for_each(|column| undone.take_out_rings(column));
+        along.whiten(&mut parts);
+        let mut gram = gram(&columns);
+        let mut log_det = along.log_det - 2.0 * undone.log_det();
+        if sizes.plate > 0.0 {
+            let rows = Rows::new(self.context, sizes, &grid, &along);
+            let information = Information::new(&rows, &grid, sizes);
+            log_det += information.log_det;
+            let mut seen = DMatrix::zeros(grid.nodes, columns.ncols());
+            let parts: Vec<&[f64]> = columns.as_slice().chunks(n).collect();
+            for (c, block) in parts.chunks(TOGETHER).enumerate() {
+                let mut b = rows.transpose_times(block, grid.nodes);
+                information.solve_lower(&mut b);
+                for k in 0..block.len() {
+                    for (slot, b) in seen.column_mut(c * TOGETHER + k).iter_mut().zip(&b) {
+                        *slot = b[k];
+                    }
+                }
+            }
+            gram -= super::restricted::gram(&seen);
+        }
+        (gram, log_det)
     }
 }
 

@@ -23,10 +23,18 @@ pub struct Roughness {
 }
 
 impl Roughness {
-    /// Both roughnesses of a campaign.
-    pub fn new(sizes: &Sizes) -> Self {
+    /// The roughness private to a run.
+    pub fn private(sizes: &Sizes) -> Self {
         Self {
             length: sizes.length,
+            share: sizes.smoothing,
+        }
+    }
+
+    /// The roughness fixed to the plate.
+    pub fn of_plate(sizes: &Sizes) -> Self {
+        Self {
+            length: sizes.plate_length(),
             share: sizes.smoothing,
         }
     }

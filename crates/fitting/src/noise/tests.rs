@@ -46,18 +46,20 @@ fn dense(context: &Context, sizes: &Sizes) -> DMatrix<f64> {
     }
     DMatrix::from_fn(n, n, |i, j| {
         // (N7), written out once more.
-        let near = |a: f64, b: f64| {
-            let (far, share) = ((a - b).abs() / sizes.length, sizes.smoothing);
+        let near = |a: f64, b: f64, length: f64| {
+            let (far, share) = ((a - b).abs() / length, sizes.smoothing);
             if share == 0.0 {
                 (-far).exp()
             } else {
                 ((-far).exp() - share * (-far / share).exp()) / (1.0 - share)
             }
         };
-        let mut relative = sizes.plate.powi(2) * near(context.place[i], context.place[j]);
+        let (x, s) = (&context.place, &context.sliding);
+        let own = sizes.length * sizes.plate_ratio;
+        let mut relative = sizes.plate.powi(2) * near(x[i], x[j], own);
         if owner[i] == owner[j] {
-            relative += sizes.private.powi(2) * near(context.sliding[i], context.sliding[j])
-                + sizes.scatter.powi(2);
+            relative +=
+                sizes.private.powi(2) * near(s[i], s[j], sizes.length) + sizes.scatter.powi(2);
         }
         let white = if i == j { sizes.sensor.powi(2) } else { 0.0 };
         context.scale[i] * context.scale[j] * relative + white
@@ -70,6 +72,7 @@ const SIZES: Sizes = Sizes {
     plate: 5.6e-3,
     length: 1.5e-3,
     smoothing: 0.0,
+    plate_ratio: 1.0,
     scatter: 0.01,
 };
 
@@ -85,6 +88,13 @@ fn draw(context: &Context, sizes: &Sizes, seed: u64) -> DVector<f64> {
 /// Roughness that has passed a filter.
 const SMOOTH: Sizes = Sizes {
     smoothing: 0.7,
+    ..SIZES
+};
+
+/// Roughness of the plate that is longer than that of the runs.
+const APART: Sizes = Sizes {
+    length: 0.5e-3,
+    plate_ratio: 4.0,
     ..SIZES
 };
 
@@ -282,7 +292,7 @@ fn filtered_plate_field_agrees_with_the_dense_covariance() {
 #[test]
 fn plate_field_agrees_with_the_dense_covariance() {
     let context = ramps(120, 2);
-    for sizes in [SIZES, SMOOTH] {
+    for sizes in [SIZES, SMOOTH, APART] {
         let factor = Cholesky::new(dense(&context, &sizes)).expect("a covariance");
         let whitener = Whitener::new(&context, &sizes);
         let waves = DMatrix::from_fn(context.samples(), 3, |i, c| {
@@ -330,10 +340,67 @@ fn smooth_roughness_is_told_from_exponential_roughness() {
     }
 }
 
+/// A plate whose roughness is longer than that of the runs is told from one where both are alike.
+#[test]
+fn a_length_of_the_plates_own_is_told_from_one_for_both() {
+    let context = ramps(240, 3);
+    let none = DMatrix::zeros(context.samples(), 0);
+    let mean = DMatrix::from_column_slice(context.samples(), 1, &context.scale);
+    let options = EstimateOptions {
+        repeats: true,
+        smooth: true,
+        ..EstimateOptions::default()
+    };
+    let estimates = |sizes: &Sizes| -> Vec<f64> {
+        (0..8)
+            .map(|seed| draw(&context, sizes, 60 + seed))
+            .map(|r| estimate(&context, &r, &mean, &none, &options).sizes)
+            .map(|s| s.plate_ratio)
+            .collect()
+    };
+    let (one, two) = (estimates(&SIZES), estimates(&APART));
+    assert!(
+        one.iter().filter(|&&ratio| ratio != 1.0).count() <= 1,
+        "{one:?}"
+    );
+    assert!(
+        two.iter().filter(|&&ratio| ratio > 2.0).count() >= 7,
+        "{two:?}"
+    );
+    // One step of the plate is neither.
+    let short = Sizes {
+        plate_ratio: 1.0,
+        ..APART
+    };
+    let stepped: Vec<f64> = (0..8)
+        .map(|seed| {
+            let mut r = draw(&context, &short, 60 + seed);
+            let (lo, hi) = context.extent();
+            for (i, r) in r.iter_mut().enumerate() {
+                if context.place[i] > lo + 0.6 * (hi - lo) {
+                    *r += 0.04 * context.scale[i];
+                }
+            }
+            estimate(&context, &r, &mean, &none, &options)
+                .sizes
+                .plate_ratio
+        })
+        .collect();
+    assert!(
+        stepped.iter().filter(|&&ratio| ratio != 1.0).count() <= 1,
+        "{stepped:?}"
+    );
+    let mean = two.iter().map(|ratio| ratio.ln()).sum::<f64>() / 8.0;
+    assert!(
+        (mean - APART.plate_ratio.ln()).abs() < 0.35,
+        "{mean} {two:?}"
+    );
+}
+
 /// The two linear-time paths (rotations; banded information matrix) are the same covariance.
 #[test]
 fn rotations_and_information_agree() {
-    for sizes in [SIZES, SMOOTH] {
+    for sizes in [SIZES, SMOOTH, APART] {
         agree(&Sizes {
             scatter: 0.0,
             ..sizes

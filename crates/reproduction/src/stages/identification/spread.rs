@@ -15,6 +15,7 @@ pub(crate) struct Kept {
     plate: f64,
     length: f64,
     smoothing: f64,
+    plate_ratio: f64,
     scatter: f64,
     scatters: Vec<(f64, f64)>,
 }
@@ -36,6 +37,7 @@ impl From<&Spread> for Kept {
             plate: sizes.plate,
             length: sizes.length,
             smoothing: sizes.smoothing,
+            plate_ratio: sizes.plate_ratio,
             scatter: sizes.scatter,
             scatters: spread.scatters.clone(),
         }
@@ -57,6 +59,7 @@ impl From<Kept> for Spread {
                 plate: kept.plate,
                 length: kept.length,
                 smoothing: kept.smoothing,
+                plate_ratio: kept.plate_ratio,
                 scatter: kept.scatter,
             },
             scatters: kept.scatters,
@@ -79,6 +82,7 @@ mod tests {
                 plate: 3e-3,
                 length: 4e-3,
                 smoothing: 0.0,
+                plate_ratio: 1.0,
                 scatter: 5e-3,
             },
             scatters: vec![(0.0, 0.25), (0.1, 0.75)],

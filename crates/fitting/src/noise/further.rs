@@ -1,0 +1,191 @@
+//! Roughness that a further number describes better than an exponential one of one length: smoother, or with a length of its own for the plate.
+
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use super::estimate::{COARSE, Frame, LENGTH, MORE, More, PLATE, PRIVATE, Search};
+use super::restricted::Criterion;
+use super::search::{self, Minimum};
+
+/// Smoothings that are tried beside exponential roughness, and lengths over which the roughness is alike as shares of the one found
+/// (exponential roughness makes up for what it lacks in smoothness by length).
+const PROBES: [(f64, f64); 4] = [(0.15, 1.0), (0.6, 1.0), (0.6, 0.4), (0.6, 0.15)];
+/// -2 log likelihood that smoothing must save, or the roughness is taken as exponential.
+const WORTH_SMOOTHING: f64 = 2.0;
+
+/// Ratios of the two lengths that are tried beside one, and the power of them by which the private length moves.
+const RATIOS: [(f64, f64); 4] = [(0.4, 0.0), (0.4, -0.5), (2.5, 0.0), (2.5, -0.5)];
+/// -2 log likelihood that a second length must save.
+const WORTH_SECOND_LENGTH: f64 = 6.0;
+
+/// Places of the plate at which a step is looked for.
+const PLACES: usize = 60;
+
+/// Roughness with a further number, and what it saves of -2 log likelihood beside an exponential one of one length.
+pub(super) struct Further {
+    pub(super) frame: Frame,
+    pub(super) minimum: Minimum,
+    pub(super) saved: f64,
+}
+
+impl Frame {
+    /// Roughness that is smoother than exponential, where that is likelier than `plain`. Unless the search is thorough a smoothing
+    /// counts only if it is seen at once.
+    ///
+    /// Shorter lengths have finer grids, and a finer grid alone is likelier: both sides are always compared on the same one.
+    pub(super) fn smoother(
+        &self,
+        criterion: &Criterion<'_>,
+        plain: &search::Minimum,
+        thorough: bool,
+        evaluations: &mut usize,
+    ) -> Option<Further> {
+        let on_grid = |point: &[f64], spacing| criterion.value(&self.sizes(point), spacing);
+        let probed: Vec<(f64, Vec<f64>)> = PROBES
+            .par_iter()
+            .map(|&(smoothing, share)| {
+                // Roughness is alike over l (1 + rho).
+                let mut point = plain.point.clone();
+                point[LENGTH] += (share / (1.0 + smoothing)).ln();
+                point.push(smoothing.ln());
+                let spacing = self.sizes(&point).node_spacing();
+                (
+                    on_grid(&point, spacing) - on_grid(&plain.point, spacing),
+                    point,
+                )
+            })
+            .collect();
+        let likelier = (probed.into_iter())
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .filter(|(beyond, _)| thorough || *beyond < 0.0);
+        *evaluations += 2 * PROBES.len();
+        let (_, point) = likelier?;
+        let from = if thorough {
+            let coarse = COARSE * self.sizes(&point).node_spacing();
+            let near = self.near(criterion, &point, coarse);
+            *evaluations += near.evaluations + 1;
+            // What is not seen there at all will not be worth its price on a finer grid.
+            if near.value > on_grid(&plain.point, coarse) - 0.5 * WORTH_SMOOTHING {
+                return None;
+            }
+            near.point
+        } else {
+            point
+        };
+        let again = Search::Again(self.sizes(&from));
+        let found = self.search(criterion, from, again, evaluations);
+        let spacing = self.sizes(&found.point).node_spacing();
+        let own = on_grid(&found.point, spacing);
+        let saves = |plain: f64| own < plain - WORTH_SMOOTHING;
+        *evaluations += 2;
+        if !saves(on_grid(&plain.point, spacing)) {
+            return None;
+        }
+        // Exponential roughness may have other sizes on this grid.
+        let as_fine = self.likeliest_on(criterion, &plain.point, spacing, evaluations);
+        saves(as_fine).then(|| Further {
+            frame: self.clone(),
+            minimum: found,
+            saved: as_fine - own,
+        })
+    }
+
+    /// A length of its own for the plate's roughness, where that is likelier than one length for both, and than one length beside a step of
+    /// the plate. Both sides are compared on one grid.
+    pub(super) fn two_lengths(
+        &self,
+        criterion: &Criterion<'_>,
+        one: &search::Minimum,
+        evaluations: &mut usize,
+    ) -> Option<Further> {
+        let apart = self.clone().with(More::PlateRatio);
+        let on_grid = |point: &[f64], spacing| criterion.value(&apart.sizes(point), spacing);
+        let probed: Vec<(f64, Vec<f64>)> = RATIOS
+            .par_iter()
+            .map(|&(ratio, moved)| {
+                // What roughness does over short ways, its variance over its length, stays.
+                let mut point = one.point.clone();
+                point[LENGTH] += moved * ratio.ln();
+                point[PRIVATE] += 0.5 * moved * ratio.ln();
+                point[PLATE] += 0.5 * (1.0 + moved) * ratio.ln();
+                point.push(ratio.ln());
+                let finer = apart
+                    .sizes(&point)
+                    .node_spacing()
+                    .min(apart.sizes(&one.point).node_spacing());
+                let spacing = COARSE * finer;
+                (
+                    on_grid(&point, spacing) - on_grid(&one.point, spacing),
+                    point,
+                )
+            })
+            .collect();
+        *evaluations += 2 * RATIOS.len();
+        let (_, start) = (probed.into_iter())
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .filter(|(beyond, _)| *beyond < WORTH_SECOND_LENGTH)?;
+        let coarse = COARSE * apart.sizes(&start).node_spacing();
+        let near = apart.near(criterion, &start, coarse);
+        *evaluations += near.evaluations + 1;
+        if near.value > on_grid(&one.point, coarse) - 0.5 * WORTH_SECOND_LENGTH {
+            return None;
+        }
+        let again = Search::Again(apart.sizes(&near.point));
+        let found = apart.search(criterion, near.point, again, evaluations);
+        let spacing = apart.sizes(&found.point).node_spacing();
+        let as_one = self.likeliest_on(criterion, &one.point, spacing, evaluations);
+        let saved = as_one - on_grid(&found.point, spacing);
+        if saved < WORTH_SECOND_LENGTH || saved < self.a_step_saves(criterion, one, evaluations) {
+            return None;
+        }
+        Some(Further {
+            frame: apart,
+            minimum: found,
+            saved,
+        })
+    }
+
+    /// What a step in friction at one place of the plate would save of -2 log likelihood beside roughness of one length, all places at which
+    /// it was looked for paid for: a field that is long because of one step is no field.
+    fn a_step_saves(
+        &self,
+        criterion: &Criterion<'_>,
+        one: &search::Minimum,
+        evaluations: &mut usize,
+    ) -> f64 {
+        let sizes = self.sizes(&one.point);
+        let spacing = sizes.node_spacing();
+        let steps = criterion.steps(PLACES);
+        let Some(scores) = criterion.scores(&steps, &sizes, spacing) else {
+            return 0.0;
+        };
+        let likeliest = (0..scores.len()).max_by(|&a, &b| scores[a].total_cmp(&scores[b]));
+        let Some(step) = likeliest.map(|k| steps.column(k).into_owned()) else {
+            return 0.0;
+        };
+        // With the step in the mean the roughness is smaller: both change, and C of one mean is no measure for another (its
+        // determinant is of other columns). So C falls by what the step takes from the squares at the new sizes, less what these cost without it.
+        let beside = criterion.with_column(&step);
+        let on_grid = |x: &[f64]| beside.value(&self.sizes(x), spacing);
+        let found = search::minimise(&on_grid, &one.point, &self.bounds[..MORE], 25);
+        *evaluations += found.evaluations + 3;
+        let new = self.sizes(&found.point);
+        let taken = criterion.scores(&DMatrix::from_columns(&[step]), &new, spacing);
+        let worse = criterion.value(&new, spacing) - criterion.value(&sizes, spacing);
+        taken.map_or(0.0, |taken| taken[0] - worse - 2.0 * (PLACES as f64).ln())
+    }
+
+    /// -2 log likelihood of the likeliest exponential roughness of one length on a grid.
+    fn likeliest_on(
+        &self,
+        criterion: &Criterion<'_>,
+        point: &[f64],
+        spacing: f64,
+        evaluations: &mut usize,
+    ) -> f64 {
+        let on_grid = |x: &[f64]| criterion.value(&self.sizes(x), spacing);
+        let found = search::minimise(&on_grid, point, &self.bounds[..MORE], 25);
+        *evaluations += found.evaluations;
+        found.value
+    }
+}
