@@ -19,6 +19,10 @@ use crate::radau::{A, C, E, GAMMA, collocation_weights, inverse_newton_matrix};
 const TOLERANCE: f64 = 4e-7;
 /// Above this product of rate and step the quintic is replaced by the collocation polynomial, which does not overshoot.
 const STIFF: f64 = 2.0;
+/// The Stribeck curve is flat, as far as stages can see, from so many of its speed scales on: exp(-16) for p = 2.
+const BEYOND_THE_PEAK: f64 = 4.0;
+/// Stages of a step over so many speed scales still meet the curve wherever the step begins or ends within it.
+const MET: f64 = 8.0;
 const NEWTON_LIMIT: usize = 12;
 const NEWTON_TOLERANCE: f64 = 1e-6;
 /// A step is never cut below this share of its stretch.
@@ -317,11 +321,12 @@ impl<D: Scalar> Integrator<'_, D> {
             };
             self.left = left;
             let allowed = self.step.max(SMALLEST * span);
-            let h = if t + allowed * 1.000_001 >= to {
+            let free = if t + allowed * 1.000_001 >= to {
                 to - t
             } else {
                 allowed
             };
+            let h = self.up_to_the_peak(stretch, t, free, node.z);
             let smallest = h <= SMALLEST * span * 1.01;
             match self.stages(stretch, t, h, node, slope) {
                 Some((stages, inverse, end_slope)) => {
@@ -330,7 +335,7 @@ impl<D: Scalar> Integrator<'_, D> {
                         ((h * GAMMA * node.rate + sum) / (1.0 - h * GAMMA * slope)).abs();
                     let factor = 0.9 * (self.tolerance / estimate.max(1e-300)).sqrt().sqrt();
                     if estimate <= self.tolerance || smallest {
-                        let cut_by_stretch = t + h >= to && h < self.step;
+                        let cut_by_stretch = (t + h >= to || h < free) && h < self.step;
                         let next = h * factor.clamp(0.2, 4.0);
                         self.step = if cut_by_stretch {
                             self.step.max(next)
@@ -345,6 +350,22 @@ impl<D: Scalar> Integrator<'_, D> {
                 None => self.step = 0.25 * h,
             }
         }
+    }
+
+    /// A step that would leap from far above the Stribeck curve's speeds into them, or out of them, ends where they begin. Its three stages
+    /// could all lie where the curve is flat: neither the state nor the error estimate would know that there is a peak.
+    fn up_to_the_peak(&self, stretch: &Stretch<f64>, t: f64, h: f64, z: f64) -> f64 {
+        let Some(scale) = self.real.curve.speed else {
+            return h;
+        };
+        let (edge, gear) = (BEYOND_THE_PEAK * scale, self.real.gear(z));
+        let from = stretch.motion(t).drive.curve_speed * gear;
+        let to = stretch.motion(t + h).drive.curve_speed * gear;
+        let leaps = (to - from).abs() > MET * scale && (from - edge) * (to - edge) < 0.0;
+        if !leaps || (from - edge).abs() <= 1e-6 * edge {
+            return h;
+        }
+        h * (edge - from) / (to - from)
     }
 
     /// Newton's iteration for the three stages; `None` where it does not settle.

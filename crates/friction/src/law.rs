@@ -185,6 +185,14 @@ impl<D: Scalar> Law<D> {
         }
     }
 
+    /// What the slip speed is multiplied by before the curve is read: cos^2(z + theta0)/h of a leaning bristle (E4), else one.
+    pub(crate) fn gear(&self, z: D) -> D {
+        self.lean.as_ref().map_or(D::constant(1.0), |lean| {
+            let cos = (z + lean.angle).cos();
+            cos * cos * (1.0 / lean.height)
+        })
+    }
+
     #[inline(always)]
     fn kinematics(&self, z: D, drive: &Drive<D>) -> Kinematics<D> {
         let (projection, projection_z, gear, gear_z) = match &self.lean {

@@ -56,6 +56,46 @@ fn largest(a: &[f64], b: &[f64]) -> f64 {
         .fold(0.0, f64::max)
 }
 
+/// A body that is moved back and forth at many times the Stribeck speed is within its curve for a moment only, at every turn.
+#[test]
+fn a_fast_reversal_does_not_leap_over_the_stribeck_curve() {
+    for (kind, parameters) in [
+        (
+            LawKind::Lugre,
+            vec![13.0, 18.5, 0.0175, 25_900.0, 150.0, 12.0],
+        ),
+        (
+            LawKind::LugreTyre,
+            vec![13.0, 18.5, 0.0175, 25_900.0, 150.0, 12.0],
+        ),
+        (LawKind::Lugre, vec![0.3, 0.4, 1e-4, 1e4, 10.0, 0.1]),
+    ] {
+        let law = kind.build(&parameters, None).expect("a law");
+        let time: Vec<f64> = (0..301).map(|i| 0.005 * f64::from(i)).collect();
+        // Up to 0.48 m/s, through zero to -0.48 m/s, and back to rest: three straight lines.
+        let velocity: Vec<f64> = time
+            .iter()
+            .map(|t| {
+                let phase = t / 1.5 * 4.0;
+                let wave = if phase < 1.0 {
+                    phase
+                } else if phase < 3.0 {
+                    2.0 - phase
+                } else {
+                    phase - 4.0
+                };
+                0.48 * wave
+            })
+            .collect();
+        let knots = linear_stretches(&time, &velocity, 1e-12);
+        let level = parameters[0] / parameters[3];
+        let ours = states(&law, &time, &velocity, &knots, 0.0);
+        let theirs = runge_kutta(&law, &time, &velocity, 0.0, 2_000);
+        let error = largest(&ours, &theirs) / level;
+        assert!(error < 1e-5, "{kind:?}: {error} of the level");
+    }
+}
+
 #[test]
 fn a_ramp_agrees_with_a_fine_classical_method_in_every_reported_digit() {
     let time: Vec<f64> = (0..600).map(|i| f64::from(i) / 60.0).collect();
