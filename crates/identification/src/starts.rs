@@ -32,34 +32,9 @@ pub fn starts(
             .iter()
             .map(|factor| vec![features.level(), factor * features.stiffness()])
             .collect(),
-        LawKind::Lugre | LawKind::LugreTyre => lugre_starts(features, rise),
-        LawKind::SymmetricBristle => bristle_starts(features, height_m, Some(0.0))
-            .into_iter()
-            .map(|mut start| {
-                start.truncate(6);
-                start
-            })
-            .collect(),
-        LawKind::AsymmetricBristle => bristle_starts(features, height_m, lean),
-    }
-}
-
-/// A record that reverses hides the level at rest: at a tenth of its top speed it is still bending. Where it shows next to none, one that
-/// is well above the kinetic level is tried too (from next to none a fit loses the Stribeck speed on its bound).
-fn lugre_starts(features: &Features, rise: f64) -> Vec<Vec<f64>> {
-    /// Rise below which the record is not believed alone, and the one that is tried beside it.
-    const HIDDEN: f64 = 1.05;
-    const BESIDE: f64 = 1.5;
-    let rises = if rise < HIDDEN {
-        vec![rise, BESIDE]
-    } else {
-        vec![rise]
-    };
-    let stiffness = features.stiffness();
-    rises
-        .into_iter()
-        .flat_map(|rise| {
-            spread(&[0.01, 0.05, 0.2, 0.6]).map(move |[share, damping]| {
+        LawKind::Lugre | LawKind::LugreTyre => spread(&[0.01, 0.05, 0.2, 0.6])
+            .map(|[share, damping]| {
+                let stiffness = features.stiffness();
                 vec![
                     features.level(),
                     rise * features.level(),
@@ -69,8 +44,16 @@ fn lugre_starts(features: &Features, rise: f64) -> Vec<Vec<f64>> {
                     0.5 * features.viscous_slope,
                 ]
             })
-        })
-        .collect()
+            .collect(),
+        LawKind::SymmetricBristle => bristle_starts(features, height_m, Some(0.0))
+            .into_iter()
+            .map(|mut start| {
+                start.truncate(6);
+                start
+            })
+            .collect(),
+        LawKind::AsymmetricBristle => bristle_starts(features, height_m, lean),
+    }
 }
 
 /// Shares of the Stribeck speed with small and large damping.
