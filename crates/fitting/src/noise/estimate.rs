@@ -184,7 +184,7 @@ const SENSOR: usize = 0;
 pub(super) const PRIVATE: usize = 1;
 pub(super) const PLATE: usize = 2;
 pub(super) const LENGTH: usize = 3;
-pub(super) const MORE: usize = 4;
+const MORE: usize = 4;
 
 /// What the further coordinate is. Roughness is smoother than exponential, or that of the plate has a length of its own; what both at once
 /// would be has not been seen.
@@ -203,10 +203,11 @@ pub(super) const COARSE: f64 = 3.0;
 const MOST_RATIO: f64 = 5.0;
 /// The plate's length over the longest of a roughness that is longer than the private one.
 const LONGEST_PLATE_SHARE: f64 = 40.0;
+
 /// Scales and bounds of the search.
 #[derive(Clone)]
 pub(super) struct Frame {
-    pub(super) bounds: Vec<(f64, f64)>,
+    bounds: Vec<(f64, f64)>,
     more: More,
     plate: bool,
     relative: f64,

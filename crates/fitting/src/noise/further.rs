@@ -3,9 +3,9 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::estimate::{COARSE, Frame, LENGTH, MORE, More, PLATE, PRIVATE, Search};
+use super::estimate::{COARSE, Frame, LENGTH, More, PLATE, PRIVATE, Search};
 use super::restricted::Criterion;
-use super::search::{self, Minimum};
+use super::search::Minimum;
 
 /// Smoothings that are tried beside exponential roughness, and lengths over which the roughness is alike as shares of the one found
 /// (exponential roughness makes up for what it lacks in smoothness by length).
@@ -36,7 +36,7 @@ impl Frame {
     pub(super) fn smoother(
         &self,
         criterion: &Criterion<'_>,
-        plain: &search::Minimum,
+        plain: &Minimum,
         thorough: bool,
         evaluations: &mut usize,
     ) -> Option<Further> {
@@ -82,7 +82,9 @@ impl Frame {
             return None;
         }
         // Exponential roughness may have other sizes on this grid.
-        let as_fine = self.likeliest_on(criterion, &plain.point, spacing, evaluations);
+        let fine = self.near(criterion, &plain.point, spacing);
+        *evaluations += fine.evaluations;
+        let as_fine = fine.value;
         saves(as_fine).then(|| Further {
             frame: self.clone(),
             minimum: found,
@@ -95,7 +97,7 @@ impl Frame {
     pub(super) fn two_lengths(
         &self,
         criterion: &Criterion<'_>,
-        one: &search::Minimum,
+        one: &Minimum,
         evaluations: &mut usize,
     ) -> Option<Further> {
         let apart = self.clone().with(More::PlateRatio);
@@ -133,8 +135,9 @@ impl Frame {
         let again = Search::Again(apart.sizes(&near.point));
         let found = apart.search(criterion, near.point, again, evaluations);
         let spacing = apart.sizes(&found.point).node_spacing();
-        let as_one = self.likeliest_on(criterion, &one.point, spacing, evaluations);
-        let saved = as_one - on_grid(&found.point, spacing);
+        let as_one = self.near(criterion, &one.point, spacing);
+        *evaluations += as_one.evaluations;
+        let saved = as_one.value - on_grid(&found.point, spacing);
         if saved < WORTH_SECOND_LENGTH || saved < self.a_step_saves(criterion, one, evaluations) {
             return None;
         }
@@ -150,7 +153,7 @@ impl Frame {
     fn a_step_saves(
         &self,
         criterion: &Criterion<'_>,
-        one: &search::Minimum,
+        one: &Minimum,
         evaluations: &mut usize,
     ) -> f64 {
         let sizes = self.sizes(&one.point);
@@ -166,26 +169,11 @@ impl Frame {
         // With the step in the mean the roughness is smaller: both change, and C of one mean is no measure for another (its
         // determinant is of other columns). So C falls by what the step takes from the squares at the new sizes, less what these cost without it.
         let beside = criterion.with_column(&step);
-        let on_grid = |x: &[f64]| beside.value(&self.sizes(x), spacing);
-        let found = search::minimise(&on_grid, &one.point, &self.bounds[..MORE], 25);
+        let found = self.near(&beside, &one.point, spacing);
         *evaluations += found.evaluations + 3;
         let new = self.sizes(&found.point);
         let taken = criterion.scores(&DMatrix::from_columns(&[step]), &new, spacing);
         let worse = criterion.value(&new, spacing) - criterion.value(&sizes, spacing);
         taken.map_or(0.0, |taken| taken[0] - worse - 2.0 * (PLACES as f64).ln())
-    }
-
-    /// -2 log likelihood of the likeliest exponential roughness of one length on a grid.
-    fn likeliest_on(
-        &self,
-        criterion: &Criterion<'_>,
-        point: &[f64],
-        spacing: f64,
-        evaluations: &mut usize,
-    ) -> f64 {
-        let on_grid = |x: &[f64]| criterion.value(&self.sizes(x), spacing);
-        let found = search::minimise(&on_grid, point, &self.bounds[..MORE], 25);
-        *evaluations += found.evaluations;
-        found.value
     }
 }

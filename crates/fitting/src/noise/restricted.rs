@@ -31,8 +31,13 @@ impl<'a> Criterion<'a> {
         mean.column_iter_mut()
             .for_each(|mut column| lag.take_out(column.as_mut_slice()));
         lag.take_out(residual.as_mut_slice());
-        let basis = orthonormal_basis(&mean);
-        let rest = &residual - &basis * basis.tr_mul(&residual);
+        Self::unfiltered(context, &mean, &residual)
+    }
+
+    /// Of columns from which the channel's filter has been taken out.
+    fn unfiltered(context: &'a Context, mean: &DMatrix<f64>, residual: &DVector<f64>) -> Self {
+        let basis = orthonormal_basis(mean);
+        let rest = residual - &basis * basis.tr_mul(residual);
         let p = basis.ncols();
         let mut columns = basis.resize_horizontally(p + 1, 0.0);
         columns.set_column(p, &rest);
@@ -57,16 +62,7 @@ impl<'a> Criterion<'a> {
         self.context.channel.lag.take_out(column.as_mut_slice());
         let mut mean = self.columns.clone();
         mean.set_column(p, &column);
-        let basis = orthonormal_basis(&mean);
-        let residual = self.columns.column(p);
-        let rest = residual - &basis * basis.tr_mul(&residual);
-        let last = basis.ncols();
-        let mut columns = basis.resize_horizontally(last + 1, 0.0);
-        columns.set_column(last, &rest);
-        Self {
-            context: self.context,
-            columns,
-        }
+        Self::unfiltered(self.context, &mean, &self.columns.column(p).into_owned())
     }
 
     /// C of (N3); infinite where the sizes make no covariance.
