@@ -6,7 +6,7 @@
 //! ```
 //!
 //! Rows outside the active set stay in the matrix as `−1` on the diagonal, so
-//! the pattern, and with it the symbolic factorisation, never changes. Steep rows are
+//! the pattern, and with it the symbolic factorisation, hardly ever changes. Steep rows are
 //! scaled down (by powers of two, which round nothing): without pivoting, a steep row `a`
 //! eliminated on its shift `δ` would leave `‖a‖²/δ` where the Hessian stands and drown it. The
 //! matrix is factorised as LDLᵀ without pivoting; `±δ` on the diagonal keeps
@@ -15,10 +15,9 @@
 //! definite and the step is a minimiser of the subproblem.
 
 use crate::iterate::Iterate;
+use crate::ldl::{Ldl, order};
 use crate::model::Structure;
 use crate::pattern::{Pattern, max_abs};
-use clarabel::algebra::CscMatrix;
-use clarabel::qdldl::{QDLDLFactorisation, QDLDLSettingsBuilder};
 
 /// Shift of the Hessian's diagonal.
 const PRIMAL_SHIFT: f64 = 1e-9;
@@ -71,54 +70,119 @@ struct Refined {
 
 /// The matrix, its factorisation and scratch space.
 pub(crate) struct NewtonSystem {
+    /// Entries of Hessian and Jacobian that were ever more than nought, and the whole diagonal.
     pattern: Pattern,
     values: Vec<f64>,
+    /// Largest row sum of the matrix.
+    norm: f64,
     /// Diagonal shifts that the factors contain and the system does not.
     shifts: Vec<f64>,
     /// Scale of every variable (one) and row.
     scales: Vec<f64>,
-    hessian_slots: Vec<usize>,
-    jacobian_slots: Vec<usize>,
+    /// Entries of Hessian and Jacobian that are in the pattern.
+    curved: Vec<Entry>,
+    sloped: Vec<Entry>,
+    /// Entries of the Hessian, then of the Jacobian, that were ever more than nought.
+    known: Vec<bool>,
     diagonal: Vec<usize>,
-    every_slot: Vec<usize>,
-    factors: Option<QDLDLFactorisation<f64>>,
+    /// Order of elimination: that of the pattern with all entries that the blocks name. Without pivoting it decides how small
+    /// pivots may get, so it does not depend on which entries happen to be nought.
+    order: Option<Vec<usize>>,
+    factors: Option<Ldl>,
+    /// How often the pattern was laid out.
+    pub layout: usize,
     /// Number of factorisations done.
     pub factorisations: usize,
+}
+
+/// Scaled entries of this size are what rounding leaves of a zero.
+const NOUGHT: f64 = 1e-17;
+
+fn is_nought(value: f64) -> bool {
+    value.abs() <= NOUGHT
+}
+
+/// An entry of Hessian or Jacobian and where it goes.
+#[derive(Clone, Copy)]
+struct Entry {
+    from: u32,
+    row: u32,
+    column: u32,
+    slot: u32,
+}
+
+/// The pattern of the Newton matrix with all entries that the blocks name.
+fn whole_pattern(s: &Structure) -> Pattern {
+    let n = s.variables();
+    let size = n + s.rows();
+    let mut entries: Vec<(usize, usize)> = (0..size).map(|k| (k, k)).collect();
+    entries.extend(s.hessian.entries().map(|(_, r, c)| (r, c)));
+    entries.extend(s.jacobian.entries().map(|(_, r, c)| (c, n + r)));
+    Pattern::from_entries(size, size, entries)
 }
 
 impl NewtonSystem {
     pub(crate) fn new(s: &Structure) -> Self {
         let (n, m) = (s.variables(), s.rows());
-        let mut entries: Vec<(usize, usize)> =
-            s.hessian.entries().map(|(_, r, c)| (r, c)).collect();
-        entries.extend(s.jacobian.entries().map(|(_, r, c)| (c, n + r)));
-        entries.extend((0..m).map(|r| (n + r, n + r)));
-        let pattern = Pattern::from_entries(n + m, n + m, entries);
-        let hessian_slots = s
-            .hessian
-            .entries()
-            .map(|(_, r, c)| pattern.slot(r, c))
-            .collect();
-        let jacobian_slots = s
-            .jacobian
-            .entries()
-            .map(|(_, r, c)| pattern.slot(c, n + r))
-            .collect();
-        let diagonal = (0..n + m).map(|k| pattern.slot(k, k)).collect();
-        let every_slot = (0..pattern.len()).collect();
-        let values = vec![0.0; pattern.len()];
+        // Shifts make the whole diagonal of the Hessian known.
+        let mut known: Vec<bool> = s.hessian.entries().map(|(_, r, c)| r == c).collect();
+        known.resize(s.hessian.len() + s.jacobian.len(), false);
         Self {
-            pattern,
-            values,
+            pattern: Pattern::from_entries(0, 0, Vec::new()),
+            values: Vec::new(),
+            norm: 0.0,
             shifts: vec![0.0; n + m],
             scales: vec![1.0; n + m],
-            hessian_slots,
-            jacobian_slots,
-            diagonal,
-            every_slot,
+            curved: Vec::new(),
+            sloped: Vec::new(),
+            known,
+            diagonal: Vec::new(),
+            order: order(&whole_pattern(s)),
             factors: None,
+            layout: 0,
             factorisations: 0,
         }
+    }
+
+    /// Takes up the entries that are no longer nought. Blocks name all their variables, but most rows and curvatures know few of
+    /// them: what has always been nought stays out of the factors.
+    pub(crate) fn grow(&mut self, s: &Structure, hessian: &[f64], jacobian: &[f64]) {
+        let values = || hessian.iter().chain(jacobian);
+        let news = |(known, value): (&bool, &f64)| !known && !is_nought(*value);
+        if self.factors.is_some() && !self.known.iter().zip(values()).any(news) {
+            return;
+        }
+        for (known, value) in self.known.iter_mut().zip(values()) {
+            *known |= !is_nought(*value);
+        }
+        let (n, m) = (s.variables(), s.rows());
+        let (curved, sloped) = self.known.split_at(s.hessian.len());
+        let curved = s.hessian.entries().filter(|e| curved[e.0]);
+        let sloped = s.jacobian.entries().filter(|e| sloped[e.0]);
+        let mut entries: Vec<(usize, usize)> = (0..n + m).map(|k| (k, k)).collect();
+        entries.extend(curved.clone().map(|(_, r, c)| (r, c)));
+        entries.extend(sloped.clone().map(|(_, r, c)| (c, n + r)));
+        let pattern = Pattern::from_entries(n + m, n + m, entries);
+        let entry = |(from, row, column): (usize, usize, usize), slot: usize| Entry {
+            from: from as u32,
+            row: row as u32,
+            column: column as u32,
+            slot: slot as u32,
+        };
+        self.curved = curved.map(|e| entry(e, pattern.slot(e.1, e.2))).collect();
+        self.sloped = sloped
+            .map(|e| entry(e, pattern.slot(e.2, n + e.1)))
+            .collect();
+        self.diagonal = (0..n + m).map(|k| pattern.slot(k, k)).collect();
+        self.values = vec![0.0; pattern.len()];
+        self.factors = Ldl::new(&pattern, self.order.as_deref().unwrap_or_default());
+        self.pattern = pattern;
+        self.layout += 1;
+    }
+
+    /// Entries of the Jacobian that were ever more than nought.
+    pub(crate) fn known_slopes(&self, s: &Structure) -> &[bool] {
+        &self.known[s.hessian.len()..]
     }
 
     /// Fills and factorises the matrix for an active set; the number of positive pivots.
@@ -130,16 +194,20 @@ impl NewtonSystem {
         active: &ActiveSet,
     ) -> Option<usize> {
         let n = s.variables();
+        self.grow(s, hessian, jacobian);
         self.values.fill(0.0);
-        for ((k, r, c), &slot) in s.hessian.entries().zip(&self.hessian_slots) {
-            if !active.bounds[r] && !active.bounds[c] {
-                self.values[slot] = hessian[k];
+        for e in &self.curved {
+            if !active.bounds[e.row as usize] && !active.bounds[e.column as usize] {
+                self.values[e.slot as usize] = hessian[e.from as usize];
             }
         }
         let mut largest = vec![0.0_f64; s.rows()];
-        for (k, r, c) in s.jacobian.entries() {
-            if active.rows[r] && !active.bounds[c] {
-                largest[r] = largest[r].max(jacobian[k].abs());
+        for e in &self.sloped {
+            let row = e.row as usize;
+            if active.rows[row] && !active.bounds[e.column as usize] {
+                let value = jacobian[e.from as usize];
+                self.values[e.slot as usize] = value;
+                largest[row] = largest[row].max(value.abs());
             }
         }
         for (scale, largest) in self.scales[n..].iter_mut().zip(&largest) {
@@ -149,10 +217,8 @@ impl NewtonSystem {
                 1.0
             };
         }
-        for ((k, r, c), &slot) in s.jacobian.entries().zip(&self.jacobian_slots) {
-            if active.rows[r] && !active.bounds[c] {
-                self.values[slot] = jacobian[k] * self.scales[n + r];
-            }
+        for e in &self.sloped {
+            self.values[e.slot as usize] *= self.scales[n + e.row as usize];
         }
         for v in 0..n {
             self.shifts[v] = if active.bounds[v] { 0.0 } else { PRIMAL_SHIFT };
@@ -166,30 +232,8 @@ impl NewtonSystem {
             return None;
         }
         self.factorisations += 1;
-        if self.factors.is_none() {
-            self.factors = self.symbolic();
-        }
-        let factors = self.factors.as_mut()?;
-        factors.update_values(&self.every_slot, &self.values);
-        factors.refactor().ok()?;
-        let finite = factors.Dinv.iter().all(|d| d.is_finite());
-        finite.then(|| factors.positive_inertia())
-    }
-
-    fn symbolic(&self) -> Option<QDLDLFactorisation<f64>> {
-        let matrix = CscMatrix::new(
-            self.pattern.rows,
-            self.pattern.columns,
-            self.pattern.starts.clone(),
-            self.pattern.row_of.clone(),
-            self.values.clone(),
-        );
-        let settings = QDLDLSettingsBuilder::default()
-            .logical(true)
-            .regularize_enable(false)
-            .build()
-            .ok()?;
-        QDLDLFactorisation::new(&matrix, Some(settings)).ok()
+        self.norm = self.pattern.symmetric_norm(&self.values);
+        self.factors.as_mut()?.factorise(&self.values)
     }
 
     /// Solves with the last factorisation; `None` if the residual stays above a small share of
@@ -214,7 +258,7 @@ impl NewtonSystem {
     /// refinement but do not bend the solution. Refinement minimises the backward error
     /// `‖b − Kx‖ / (‖K‖ ‖x‖ + ‖b‖)`.
     fn refine(&mut self, rhs: &[f64]) -> Option<Refined> {
-        let norm = self.norm();
+        let norm = self.norm;
         let factors = self.factors.as_mut()?;
         let scaled =
             |v: &[f64]| -> Vec<f64> { v.iter().zip(&self.scales).map(|(v, s)| v * s).collect() };
@@ -262,18 +306,6 @@ impl NewtonSystem {
             residual: max_abs(&residual) / size,
             backward: best,
         })
-    }
-
-    /// Largest row sum of the matrix.
-    fn norm(&self) -> f64 {
-        let mut sums = vec![0.0; self.pattern.columns];
-        for (k, r, c) in self.pattern.entries() {
-            sums[r] += self.values[k].abs();
-            if r != c {
-                sums[c] += self.values[k].abs();
-            }
-        }
-        max_abs(&sums)
     }
 
     /// Newton's step from `(x, y)` on `active`; `None` where the reduced Hessian is not positive definite, which the

@@ -44,15 +44,21 @@ impl Pattern {
 
     /// The slot of an entry that is in the pattern.
     pub(crate) fn slot(&self, row: usize, column: usize) -> usize {
-        let (start, end) = (self.starts[column], self.starts[column + 1]);
-        match self.row_of[start..end].binary_search(&row) {
-            Ok(k) => start + k,
-            Err(_) => panic!("entry ({row}, {column}) is not in the pattern"),
+        match self.find(row, column) {
+            Some(slot) => slot,
+            None => panic!("entry ({row}, {column}) is not in the pattern"),
         }
     }
 
+    /// The slot of an entry, if it is in the pattern.
+    pub(crate) fn find(&self, row: usize, column: usize) -> Option<usize> {
+        let (start, end) = (self.starts[column], self.starts[column + 1]);
+        let place = self.row_of[start..end].binary_search(&row).ok()?;
+        Some(start + place)
+    }
+
     /// Every entry as (slot, row, column), column by column.
-    pub(crate) fn entries(&self) -> impl Iterator<Item = (usize, usize, usize)> + '_ {
+    pub(crate) fn entries(&self) -> impl Iterator<Item = (usize, usize, usize)> + Clone + '_ {
         (0..self.columns).flat_map(move |c| {
             (self.starts[c]..self.starts[c + 1]).map(move |k| (k, self.row_of[k], c))
         })
@@ -86,21 +92,32 @@ impl Pattern {
         }
     }
 
-    /// `out += A x` for a symmetric matrix of which the upper triangle is stored.
+    /// `out += A x` for a symmetric matrix of which the upper triangle is stored, with the whole diagonal: it closes every column.
     pub(crate) fn add_symmetric_product(&self, values: &[f64], x: &[f64], out: &mut [f64]) {
         for c in 0..self.columns {
-            let mut sum = 0.0;
-            for k in self.starts[c]..self.starts[c + 1] {
-                let r = self.row_of[k];
-                if r == c {
-                    sum += values[k] * x[c];
-                } else {
-                    sum += values[k] * x[r];
-                    out[r] += values[k] * x[c];
-                }
+            let (start, last) = (self.starts[c], self.starts[c + 1] - 1);
+            let mut sum = values[last] * x[c];
+            for (&r, value) in self.row_of[start..last].iter().zip(&values[start..last]) {
+                sum += value * x[r];
+                out[r] += value * x[c];
             }
             out[c] += sum;
         }
+    }
+
+    /// Largest row sum of absolute values of such a matrix.
+    pub(crate) fn symmetric_norm(&self, values: &[f64]) -> f64 {
+        let mut sums = vec![0.0; self.columns];
+        for c in 0..self.columns {
+            let (start, last) = (self.starts[c], self.starts[c + 1] - 1);
+            let mut sum = values[last].abs();
+            for (&r, value) in self.row_of[start..last].iter().zip(&values[start..last]) {
+                sum += value.abs();
+                sums[r] += value.abs();
+            }
+            sums[c] += sum;
+        }
+        max_abs(&sums)
     }
 
     /// `xᵀ A x` for a symmetric matrix of which the upper triangle is stored.

@@ -43,7 +43,7 @@ pub(crate) struct Proposal {
 pub(crate) struct Proposer<'e> {
     evaluator: &'e dyn Evaluator,
     options: &'e Options,
-    subproblem: Subproblem,
+    subproblem: Option<Subproblem>,
     elastic: Option<Subproblem>,
     pub newton: NewtonSystem,
     groups: Vec<Vec<f64>>,
@@ -54,6 +54,8 @@ pub(crate) struct Proposer<'e> {
     pub active: Option<ActiveSet>,
     pub convexity: Convexity,
     convex_is_current: bool,
+    /// The layout of the Newton matrix whose entries the subproblems have.
+    layout: usize,
 }
 
 impl<'e> Proposer<'e> {
@@ -62,7 +64,7 @@ impl<'e> Proposer<'e> {
         Self {
             evaluator,
             options,
-            subproblem: Subproblem::new(s),
+            subproblem: None,
             elastic: None,
             newton: NewtonSystem::new(s),
             groups: vec![Vec::new(); s.groups.len()],
@@ -76,6 +78,7 @@ impl<'e> Proposer<'e> {
                 changed: 0,
             },
             convex_is_current: false,
+            layout: 0,
         }
     }
 
@@ -99,6 +102,11 @@ impl<'e> Proposer<'e> {
     fn refresh_convex(&mut self, at: &Iterate, counters: &mut Counters) {
         if self.convex_is_current {
             return;
+        }
+        self.newton.grow(self.s(), &self.hessian, &at.jacobian);
+        if self.layout != self.newton.layout {
+            (self.subproblem, self.elastic) = (None, None);
+            self.layout = self.newton.layout;
         }
         if self.options.hessian == HessianModel::CostOnly {
             counters.hessian_evaluations += 1;
@@ -220,9 +228,10 @@ impl<'e> Proposer<'e> {
             let hessian = self.damped_hessian();
             counters.subproblems += 1;
             let gradient = self.gradient(at, &at.rows);
-            last =
-                self.subproblem
-                    .solve(s, &QpData::at(at, &hessian, &gradient, &at.rows), tolerance);
+            last = self
+                .subproblem
+                .get_or_insert_with(|| Subproblem::new(s, self.newton.known_slopes(s)))
+                .solve(s, &QpData::at(at, &hessian, &gradient, &at.rows), tolerance);
             match &last {
                 Ok(step) => {
                     counters.interior_iterations += step.iterations;
@@ -236,7 +245,8 @@ impl<'e> Proposer<'e> {
                     return last;
                 }
                 Err(_) => {
-                    self.subproblem.reset();
+                    // Data of this point must not be scaled by those of another.
+                    self.subproblem = None;
                     self.damping.stiffen();
                 }
             }
@@ -318,7 +328,7 @@ impl<'e> Proposer<'e> {
         let outcome = elastic::solve(
             s,
             self.elastic
-                .get_or_insert_with(|| Subproblem::new_elastic(s)),
+                .get_or_insert_with(|| Subproblem::new_elastic(s, self.newton.known_slopes(s))),
             &QpData::at(at, &hessian, &gradient, &at.rows),
             elastic::price(penalty, &at.gradient, max_penalty),
             max_penalty,

@@ -12,7 +12,7 @@
 //! lower bounds      −d_j   ≤ x_j − x̲_j            z_j ≤ 0
 //! ```
 //!
-//! The pattern never changes, so Clarabel is set up once and only data are
+//! The pattern hardly ever changes, so Clarabel is set up once and only data are
 //! exchanged: its symbolic factorisation is reused. The elastic form adds the
 //! columns `t ≥ 0` (see `elastic`).
 
@@ -94,17 +94,17 @@ struct Elastic {
 }
 
 impl Subproblem {
-    /// The plain subproblem of a structure.
-    pub(crate) fn new(structure: &Structure) -> Self {
-        Self::build(structure, false)
+    /// The plain subproblem of a structure; of the Jacobian only the entries in `known` may differ from nought.
+    pub(crate) fn new(structure: &Structure, known: &[bool]) -> Self {
+        Self::build(structure, known, false)
     }
 
     /// The subproblem with elastic rows: `J d` may miss its limits by `t ≥ 0`.
-    pub(crate) fn new_elastic(structure: &Structure) -> Self {
-        Self::build(structure, true)
+    pub(crate) fn new_elastic(structure: &Structure, known: &[bool]) -> Self {
+        Self::build(structure, known, true)
     }
 
-    fn build(s: &Structure, elastic: bool) -> Self {
+    fn build(s: &Structure, known: &[bool], elastic: bool) -> Self {
         let (n, m) = (s.variables(), s.rows());
         let mut lines = Vec::new();
         lines.extend(
@@ -153,7 +153,7 @@ impl Subproblem {
                 Line::Slack => unreachable!("slacks are added below"),
             }
         }
-        for (slot, row, column) in s.jacobian.entries() {
+        for (slot, row, column) in s.jacobian.entries().filter(|e| known[e.0]) {
             for &(line, sign) in &lines_of_row[row] {
                 entries.push((line, column, Some(slot), sign));
             }
@@ -223,11 +223,6 @@ impl Subproblem {
         if let Some(elastic) = &mut self.elastic {
             elastic.penalty = penalty;
         }
-    }
-
-    /// Forgets the set-up, so that the next solve scales its data afresh.
-    pub(crate) fn reset(&mut self) {
-        self.solver = None;
     }
 
     /// Solves the subproblem; `Err` carries Clarabel's status when it ended without a solution.

@@ -14,6 +14,7 @@ use crate::newton::ActiveSet;
 use crate::pattern::max_abs;
 use crate::penalty::Penalty;
 use crate::polish::polish;
+use crate::probe::probe;
 use crate::proposal::{Proposal, Proposer, model_change};
 use crate::soc::Correction;
 use crate::solution::{Counters, Iteration, Solution, Start, StepKind};
@@ -105,6 +106,7 @@ impl<'e> Run<'e> {
             proposer.active = Some(active_from_multipliers(e, &y, &z));
         }
         let mut at = Iterate::new(e, x, y, z, &mut counters);
+        probe(e, &at, &mut proposer.newton);
         if !warm && at.is_finite() {
             at.y = least_squares_multipliers(e.structure(), &mut proposer.newton, &at);
         }
