@@ -9,9 +9,9 @@ use biped::gait::chain::{Case, Outcome, solve_all};
 use biped::gait::cold::walk;
 use biped::gait::programme::Stride;
 use biped::gait::start::Guess;
-use rayon::prelude::*;
 use std::error::Error;
 use std::path::Path;
+use std::sync::Mutex;
 use std::time::Instant;
 use trajectory::{Options, Start, solve};
 
@@ -29,16 +29,16 @@ const STEPS: usize = 80;
 const GUESSES: [(f64, f64); 4] = [(4.0, 0.06), (3.0, 0.06), (5.0, 0.08), (6.0, 0.05)];
 
 type Found = (Name, Option<Outcome>);
+type Failure = Box<dyn Error + Send + Sync>;
 
-fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
+fn main() -> Result<(), Failure> {
     let clock = Instant::now();
     let first = first()?.ok_or("no guess led to a stride")?;
     println!("first stride after {:.1?}", clock.elapsed());
-    let sweeps: Vec<Vec<Found>> = Mount::ALL
-        .par_iter()
-        .map(|&brush| sweep(brush, &first))
-        .collect::<Result<_, _>>()?;
-    let mut found: Vec<Found> = sweeps.into_iter().flatten().collect();
+    let mut found: Vec<Found> = sweeps(&first)?
+        .into_iter()
+        .flat_map(|chain| chain.found)
+        .collect();
     println!(
         "sweep after {:.1?}: {} certified",
         clock.elapsed(),
@@ -99,18 +99,57 @@ fn first() -> Result<Option<Outcome>, trajectory::ProgrammeError> {
 }
 
 /// One brush along the weights, each stride from the last one that was certified.
-fn sweep(brush: Mount, first: &Outcome) -> Result<Vec<Found>, trajectory::ProgrammeError> {
-    let mut last = first.clone();
-    let mut found = Vec::new();
-    for weight in WEIGHTS {
-        let name = Name::compliant(CONTACT, brush, weight, AIM_M_S);
-        let stride = from(&name, last.start())?;
+struct Chain {
+    brush: Mount,
+    last: Outcome,
+    found: Vec<Found>,
+    /// A thread is at work on it.
+    taken: bool,
+}
+
+/// All brushes along the weights. Three chains on two threads, each on one from end to end, would leave one thread idle while the other does
+/// the third; so a thread that has solved one weight goes on with the chain that has the most weights left. What is solved from what
+/// does not depend on this.
+fn sweeps(first: &Outcome) -> Result<Vec<Chain>, Failure> {
+    let chain = |brush| Chain {
+        brush,
+        last: first.clone(),
+        found: Vec::new(),
+        taken: false,
+    };
+    let chains = Mutex::new(Mount::ALL.map(chain));
+    rayon::broadcast(|_| work(&chains))
+        .into_iter()
+        .collect::<Result<Vec<()>, Failure>>()?;
+    let chains = chains.into_inner().map_err(|_| "a thread broke off")?;
+    Ok(chains.into())
+}
+
+/// Solves weights until no chain is left that waits for a thread.
+fn work(chains: &Mutex<[Chain; 3]>) -> Result<(), Failure> {
+    let lock = || chains.lock().map_err(|_| "a thread broke off");
+    loop {
+        let (place, name, start) = {
+            let mut chains = lock()?;
+            let open = |chain: &Chain| !chain.taken && chain.found.len() < WEIGHTS.len();
+            let waiting = (0..chains.len()).filter(|&k| open(&chains[k]));
+            let Some(place) = waiting.min_by_key(|&k| chains[k].found.len()) else {
+                return Ok(());
+            };
+            let chain = &mut chains[place];
+            chain.taken = true;
+            let weight = WEIGHTS[chain.found.len()];
+            let name = Name::compliant(CONTACT, chain.brush, weight, AIM_M_S);
+            (place, name, chain.last.start())
+        };
+        let stride = from(&name, start)?;
+        let chain = &mut lock()?[place];
         if let Some(stride) = &stride {
-            last = stride.clone();
+            chain.last = stride.clone();
         }
-        found.push((name, stride));
+        chain.found.push((name, stride));
+        chain.taken = false;
     }
-    Ok(found)
 }
 
 /// Solves a problem from one start; the stride if it is certified.

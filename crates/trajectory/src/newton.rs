@@ -102,6 +102,11 @@ fn is_nought(value: f64) -> bool {
     value.abs() <= NOUGHT
 }
 
+fn has_news(known: &[bool], values: &[f64]) -> bool {
+    let mut entries = known.iter().zip(values);
+    entries.any(|(known, value)| !known && !is_nought(*value))
+}
+
 /// An entry of Hessian or Jacobian and where it goes.
 #[derive(Clone, Copy)]
 struct Entry {
@@ -147,13 +152,14 @@ impl NewtonSystem {
     /// Takes up the entries that are no longer nought. Blocks name all their variables, but most rows and curvatures know few of
     /// them: what has always been nought stays out of the factors.
     pub(crate) fn grow(&mut self, s: &Structure, hessian: &[f64], jacobian: &[f64]) {
-        let values = || hessian.iter().chain(jacobian);
-        let news = |(known, value): (&bool, &f64)| !known && !is_nought(*value);
-        if self.factors.is_some() && !self.known.iter().zip(values()).any(news) {
+        let (curved, sloped) = self.known.split_at_mut(s.hessian.len());
+        if self.factors.is_some() && !has_news(curved, hessian) && !has_news(sloped, jacobian) {
             return;
         }
-        for (known, value) in self.known.iter_mut().zip(values()) {
-            *known |= !is_nought(*value);
+        for (known, values) in [(curved, hessian), (sloped, jacobian)] {
+            for (known, value) in known.iter_mut().zip(values) {
+                *known |= !is_nought(*value);
+            }
         }
         let (n, m) = (s.variables(), s.rows());
         let (curved, sloped) = self.known.split_at(s.hessian.len());
