@@ -2,11 +2,13 @@
 
 use rig::{Reach, Station};
 
-use crate::bench::Bench;
+use crate::bench::{Bench, Fitted};
 use crate::equivalence::{Contest, Opponent};
 use crate::general::{self, Lack};
 use crate::left::lack;
-use crate::selection::{ALPHA_GENERAL, ALPHA_NAME, MOST_EFFECTS, SHAPE_TOLERANCE, Selected};
+use crate::selection::{
+    ALPHA_GENERAL, ALPHA_NAME, MOST_EFFECTS, SHAPE_TOLERANCE, Selected, Single,
+};
 use crate::stand::Stand;
 use crate::uniform::is_uniform;
 
@@ -56,7 +58,8 @@ fn refuse_uneven(bench: &Bench<'_>, selected: &mut Selected) {
 }
 
 /// A law whose curve needs two corrections at once is not the law: what is there is another one, in or outside the catalogue of laws.
-/// (Beside a model from elsewhere the law is known.)
+/// Where one of two explains nearly all, the other is what its shape may be wrong by, and it stays alone. (Beside a model from elsewhere
+/// the law is known.)
 fn refuse_another_law(bench: &Bench<'_>, selected: &mut Selected) {
     let effects = &selected.stand.fitted.effects;
     // Ageing over rests that are all alike is no more than another start of every run.
@@ -65,9 +68,49 @@ fn refuse_another_law(bench: &Bench<'_>, selected: &mut Selected) {
         let cause = &bench.catalogue[**cause];
         cause.station() == Station::Law || (cause.reach() == Reach::RestGain && rests_are_alike)
     };
-    if bench.prior.is_none() && effects.iter().filter(of_the_law).count() > 1 {
+    if bench.prior.is_some() || effects.iter().filter(of_the_law).count() < 2 {
+        return;
+    }
+    let explained = selected.baseline.deviance - selected.stand.deviance;
+    if effects.len() == 2 && first_alone(bench, selected) >= DOMINANT * explained {
+        keep_first(bench, selected);
+    } else {
         take_all_back(bench, selected);
     }
+}
+
+/// The fit with the first named cause alone.
+fn first_single(selected: &Selected) -> Option<&Single> {
+    let first = selected.stand.fitted.effects.first()?;
+    selected.singles.iter().find(|s| s.cause == *first)
+}
+
+/// Deviance that the first named cause alone explains.
+fn first_alone(bench: &Bench<'_>, selected: &Selected) -> f64 {
+    let of = |fit| selected.stand.deviance_of(bench, &selected.subset, fit);
+    first_single(selected).map_or(0.0, |s| selected.baseline.deviance - of(&s.fitted))
+}
+
+/// Only the first named cause stays, under the noise beside them all; none where it was not fitted alone.
+fn keep_first(bench: &Bench<'_>, selected: &mut Selected) {
+    let fitted = match first_single(selected) {
+        Some(single) => {
+            let fitted = single.fitted.clone();
+            selected.entry_log_p.truncate(1);
+            fitted
+        }
+        None => {
+            selected.entry_log_p.clear();
+            selected.baseline.fitted.clone()
+        }
+    };
+    stand_with(bench, selected, fitted);
+}
+
+fn stand_with(bench: &Bench<'_>, selected: &mut Selected, fitted: Fitted) {
+    let sizes = selected.stand.sizes;
+    selected.stand = Stand::new(bench, &selected.subset, fitted, sizes);
+    selected.left = lack(bench, &selected.subset, &selected.stand);
 }
 
 /// The law alone again; what was seen stays seen.
@@ -127,17 +170,7 @@ fn keep_dominant(bench: &Bench<'_>, selected: &mut Selected) {
     let explained = selected.baseline.deviance - selected.stand.deviance;
     let all = (explained + selected.left.weight()).max(1e-300);
     let share = explained / all;
-    let first_alone = selected
-        .singles
-        .iter()
-        .find(|s| selected.stand.fitted.effects.first() == Some(&s.cause))
-        .map_or(0.0, |s| {
-            selected.baseline.deviance
-                - selected
-                    .stand
-                    .deviance_of(bench, &selected.subset, &s.fitted)
-        });
-    let alone = first_alone / all;
+    let alone = first_alone(bench, selected) / all;
     let enough = match selected.stand.fitted.effects.len() {
         1 => DOMINANT,
         2 => DOMINANT_PAIR,
@@ -147,26 +180,11 @@ fn keep_dominant(bench: &Bench<'_>, selected: &mut Selected) {
         return;
     }
     let several = selected.stand.fitted.effects.len() > 1;
-    let sizes = selected.stand.sizes;
-    let keep = (several && alone >= DOMINANT)
-        .then(|| {
-            selected
-                .singles
-                .iter()
-                .find(|s| selected.stand.fitted.effects.first() == Some(&s.cause))
-                .cloned()
-        })
-        .flatten();
-    let fitted = match keep {
-        Some(single) => {
-            selected.entry_log_p.truncate(1);
-            single.fitted
-        }
-        None => {
-            selected.entry_log_p.clear();
-            selected.baseline.fitted.clone()
-        }
-    };
-    selected.stand = Stand::new(bench, &selected.subset, fitted, sizes);
-    selected.left = lack(bench, &selected.subset, &selected.stand);
+    if several && alone >= DOMINANT {
+        keep_first(bench, selected);
+        return;
+    }
+    selected.entry_log_p.clear();
+    let law = selected.baseline.fitted.clone();
+    stand_with(bench, selected, law);
 }

@@ -23,7 +23,7 @@ catalogue! {
     stage_ripple::StageRipple;
     cord_compliance::CordCompliance, CordBesideMass;
     stribeck_shape::StribeckShape;
-    velocity_strengthening::VelocityStrengthening;
+    velocity_strengthening::VelocityStrengthening, AddedStrengthening;
     lean_angle::LeanAngle;
     bristle_set::BristleSet;
     wear::Wear, WearByDecades;

@@ -1,8 +1,9 @@
 //! Friction grows faster than linearly with speed: mu (1 + q v^2), q in s^2/m^2. Written as a factor, it means the same
-//! with and without a load.
+//! with and without a load. Or the square is added to the coefficient, mu + q v |v|: then it grows at once where the bristles are still
+//! bending, and by as much in both directions.
 
 use friction::{ParameterSpec, Scalar};
-use rig::{Cause, Experiment, Place, Reach, Station};
+use rig::{Cause, Experiment, Place, Reach, Requirement, Station};
 
 use super::grids;
 
@@ -43,6 +44,52 @@ impl Cause for VelocityStrengthening {
     fn factor<D: Scalar>(&self, p: &[D], at: Place<'_>, _friction_n: &[D], factor: &mut [D], _memory: &mut [D]) {
         for (f, &v) in factor.iter_mut().zip(&at.run.velocity_m_s) {
             *f *= p[0] * (v * v) + 1.0;
+        }
+    }
+}
+
+/// The square of the speed is added to the coefficient of friction.
+#[derive(Clone, Copy, Debug)]
+pub struct AddedStrengthening;
+
+impl Cause for AddedStrengthening {
+    fn id(&self) -> &'static str {
+        "velocity-strengthening"
+    }
+
+    fn variant(&self) -> Option<&'static str> {
+        Some("added")
+    }
+
+    fn station(&self) -> Station {
+        Station::Law
+    }
+
+    fn reach(&self) -> Reach {
+        Reach::Record
+    }
+
+    fn describe(&self) -> &'static str {
+        "Friction grows with the square of the speed."
+    }
+
+    fn parameters(&self) -> &'static [ParameterSpec] {
+        PARAMETERS
+    }
+
+    fn requirements(&self) -> &'static [Requirement] {
+        &[Requirement::Load]
+    }
+
+    fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
+        let unit = experiment.scales.friction / experiment.scales.speed_m_s.powi(2);
+        vec![grids::bounded(&PARAMETERS[0], -0.9 * unit, 100.0 * unit, 0.05 * unit)]
+    }
+
+    fn record<D: Scalar>(&self, p: &[D], at: Place<'_>, force_n: &mut [D]) {
+        let motion = at.run.velocity_m_s.iter().zip(&at.run.load_n);
+        for (f, (&v, &load)) in force_n.iter_mut().zip(motion) {
+            *f += p[0] * (v * v.abs() * load);
         }
     }
 }
