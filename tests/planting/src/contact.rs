@@ -183,6 +183,18 @@ impl Contact<'_> {
         around
     }
 
+    /// What is added to the coefficient at a slip speed: q v^2 with the sign of v.
+    fn added_strengthening(&self, slip_speed: f64) -> f64 {
+        let of = |effect: &Effect| match *effect {
+            Effect::VelocityStrengthening {
+                quadratic_s2_m2,
+                added: true,
+            } => quadratic_s2_m2 * slip_speed * slip_speed.abs(),
+            _ => 0.0,
+        };
+        self.rig.effects.iter().map(of).sum()
+    }
+
     /// Factor on friction from surface, history, speed and load, at a place of the plate.
     pub(crate) fn factor(
         &self,
@@ -196,9 +208,10 @@ impl Contact<'_> {
         let mut factor = 1.0;
         for effect in &self.rig.effects {
             factor *= match *effect {
-                Effect::VelocityStrengthening { quadratic_s2_m2 } => {
-                    1.0 + quadratic_s2_m2 * slip_speed * slip_speed
-                }
+                Effect::VelocityStrengthening {
+                    quadratic_s2_m2,
+                    added: false,
+                } => 1.0 + quadratic_s2_m2 * slip_speed * slip_speed,
                 Effect::Wear {
                     amplitude,
                     distance_m,
@@ -299,7 +312,8 @@ impl Contact<'_> {
         let around = self.surroundings(time_s, state[1], remembered);
         // A specimen that was turned round meets the plate the other way.
         let turn = if self.plan.specimen_turned { -1.0 } else { 1.0 };
-        let (inner_rate, coefficient) = self.rig.law.evaluate(state[0], turn * slip_speed, &around);
+        let (inner_rate, of_the_law) = self.rig.law.evaluate(state[0], turn * slip_speed, &around);
+        let coefficient = of_the_law + self.added_strengthening(turn * slip_speed);
         let (second_rate, second) = self.second_population(state, turn * slip_speed);
         let share = self.second_share();
         let plate_m = self.plan.start_position_m + state[layout.stage] - stretch_m;

@@ -79,8 +79,8 @@ pub enum Effect {
     },
     /// Exponent of the Stribeck curve.
     StribeckShape { exponent_minus_2: f64 },
-    /// Friction grows with the square of speed: factor 1 + q v^2.
-    VelocityStrengthening { quadratic_s2_m2: f64 },
+    /// Friction grows with the square of speed: factor 1 + q v^2, or `added` to the coefficient, q v^2.
+    VelocityStrengthening { quadratic_s2_m2: f64, added: bool },
     /// Another lean.
     LeanAngle { angle_rad: f64 },
     /// A bend that stays after reverse runs and settles over runs.
@@ -283,7 +283,9 @@ impl Effect {
             Self::StribeckShape { exponent_minus_2 } => {
                 vec![("exponent_minus_2", exponent_minus_2)]
             }
-            Self::VelocityStrengthening { quadratic_s2_m2 } => {
+            Self::VelocityStrengthening {
+                quadratic_s2_m2, ..
+            } => {
                 vec![("quadratic_s2_m2", quadratic_s2_m2)]
             }
             Self::LeanAngle { angle_rad } => vec![("angle_rad", angle_rad)],
