@@ -9,8 +9,8 @@
 //! ```
 //!
 //! with an interval from the differences between runs (Student's t over runs), and a placebo: the fitted effect with
-//! its course along each run scrambled, fitted and judged in the same folds, by errors weighed by the noise (`weighed.rs`) where
-//! nothing is left unexplained.
+//! its course along each run scrambled, fitted and judged in the same folds, by errors weighed by the noise and the fold's own
+//! doubt (`weighed.rs`) where nothing is left unexplained.
 //!
 //! The noise in the squared errors is not the repeats' but what these runs happened to draw. Where that may move (D4) by more
 //! than a few hundredths, the share is that of errors weighed by the noise (`weighed.rs`); where they do not tell it either, none
@@ -27,7 +27,8 @@ use crate::floor;
 use crate::ground::orthonormal;
 use crate::intervals::student;
 use crate::look_back::without;
-use crate::selection::{Depth, Selected, Warm, law_alone, select};
+use crate::selection::{Depth, Selected, Warm, law_alone, likely_scatter, select};
+use crate::stand::Stand;
 use crate::subset::Subset;
 use crate::weighed::{Weighed, beside_repeats};
 use crate::whole::Whole;
@@ -51,6 +52,8 @@ pub(crate) struct Fold {
     lacking: Vec<Option<Vec<f64>>>,
     /// Predictions with each scrambled extension.
     placebos: Vec<Vec<f64>>,
+    /// J L of the fold's extension, all samples x directions: L L' is the covariance of its parameters (D9).
+    pub(crate) doubt: DMatrix<f64>,
 }
 
 /// Gains of all findings together and of each when it comes last.
@@ -227,6 +230,7 @@ fn fold(
             searched: law.prediction,
             lacking: Vec::new(),
             placebos: Vec::new(),
+            doubt: DMatrix::zeros(bench.samples.len(), 0),
         });
     }
     let own = select(bench, &subset, Depth::Fold, Some(warm))?;
@@ -280,7 +284,14 @@ fn fold(
         searched: base.fitted.prediction.clone(),
         lacking,
         placebos,
+        doubt: doubt(&own.stand),
     })
+}
+
+/// J L with L L' = (J' M'M J)^-1: by what a fit's prediction of each sample may be wrong, direction by direction.
+fn doubt(stand: &Stand) -> DMatrix<f64> {
+    let white = stand.white_descattered(likely_scatter(stand));
+    &stand.jacobian * orthonormal(&white, 1e-9).1
 }
 
 /// The fitted effects with their course along each run shifted round and their sign drawn, from fixed seeds.
@@ -319,6 +330,8 @@ struct Errors {
     runs: Vec<(f64, f64)>,
     /// The same sums weighed by the noise, where it is known.
     weighed: Vec<f64>,
+    /// Those weighed by the fold's own doubt too (D9).
+    doubted: Vec<f64>,
 }
 
 impl Errors {
@@ -338,12 +351,15 @@ impl Errors {
             .filter(|(_, n)| *n > 0.0)
             .collect();
         let by_noise = |w: &Weighed<'_>| {
-            let errors = folds.iter().flat_map(|f| w.errors(f, prediction(f)));
-            errors.collect()
+            let each = folds.iter().enumerate();
+            each.flat_map(|(k, f)| w.errors(k, f, prediction(f)))
+                .unzip()
         };
+        let (weighed, doubted) = weighed.map(by_noise).unwrap_or_default();
         Self {
             runs,
-            weighed: weighed.map(by_noise).unwrap_or_default(),
+            weighed,
+            doubted,
         }
     }
 
@@ -351,12 +367,12 @@ impl Errors {
         self.runs.iter().map(|r| r.0).sum()
     }
 
-    /// By what gains are compared: the errors weighed by the noise where that is known.
+    /// By what gains are compared: the errors weighed by the noise and the fold's doubt where these are known.
     fn judged(&self) -> f64 {
-        if self.weighed.is_empty() {
+        if self.doubted.is_empty() {
             self.total()
         } else {
-            self.weighed.iter().sum()
+            self.doubted.iter().sum()
         }
     }
 

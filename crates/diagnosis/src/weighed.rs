@@ -13,9 +13,19 @@
 //! Sums run over folds and their held-out runs; M whitens one run's samples, scatter included. f_fold, f_all: the extension's
 //! predictions from the fold and from the whole campaign, whose p parameters make it wrong by p = tr(V^-1 J C J') over all R runs;
 //! H runs were held out.
+//!
+//! What a fold says of a run whose condition it never saw may rest on parameters that its own runs hardly tell; one such run
+//! would then outweigh all others. Where extensions are compared with scrambled ones, errors count by the noise and by that doubt:
+//!
+//! ```text
+//! |e|^2 - (B'e)' (I + B'B)^-1 B'e,   e = M (y - f),   B = M J L,   L L' = C                             (D9)
+//! ```
+//!
+//! which is e'(I + B B')^-1 e; J and C are the Jacobian and the covariance of the extension that the fold fitted, for the law, the
+//! extension and the scrambled ones alike.
 
 use fitting::noise::Whitener;
-use nalgebra::DMatrix;
+use nalgebra::{Cholesky, DMatrix, Dyn};
 
 use crate::bench::Bench;
 use crate::floor;
@@ -33,6 +43,13 @@ pub(crate) struct Weighed<'a> {
     pub(crate) own: f64,
     /// The share of A that may be wrong: two standard deviations of a chi-squared with p degrees of freedom, over its mean.
     pub(crate) wrong: f64,
+    /// B of (D9) and the factor of I + B'B: for each fold, for each run that it holds out.
+    doubts: Vec<Vec<Doubt>>,
+}
+
+struct Doubt {
+    white: DMatrix<f64>,
+    spread: Cholesky<f64, Dyn>,
 }
 
 impl<'a> Weighed<'a> {
@@ -56,34 +73,75 @@ impl<'a> Weighed<'a> {
             whitener,
             own: 0.0,
             wrong: 2.0 * (2.0 / parameters).sqrt(),
+            doubts: Vec::new(),
         };
         let all = &stand.fitted.prediction;
-        let apart = |fold: &Fold| weighed.squares(fold, all, &fold.extended);
+        let apart = |fold: &Fold| {
+            let white = weighed.white(fold, &differences(all, &fold.extended));
+            white.iter().map(|x| x * x).sum::<f64>()
+        };
         let held: usize = folds.iter().map(|fold| fold.held.len()).sum();
-        weighed.own = folds.iter().flat_map(apart).sum::<f64>()
+        weighed.own = folds.iter().map(apart).sum::<f64>()
             + parameters * held as f64 / bench.samples.runs.len() as f64;
+        weighed.doubts = folds
+            .iter()
+            .map(|fold| {
+                fold.held
+                    .iter()
+                    .map(|&run| weighed.doubt(fold, run))
+                    .collect()
+            })
+            .collect();
         Some(weighed)
     }
 
-    /// |M (y - f)|^2 of a prediction f for each run that a fold holds out.
-    pub(crate) fn errors(&self, fold: &Fold, prediction: &[f64]) -> Vec<f64> {
-        self.squares(fold, &self.bench.experiment.measured_n, prediction)
+    /// |M (y - f)|^2 of a prediction f for each run that the k-th fold holds out, and the same by the fold's doubt too (D9).
+    pub(crate) fn errors(&self, k: usize, fold: &Fold, prediction: &[f64]) -> Vec<(f64, f64)> {
+        let error = differences(&self.bench.experiment.measured_n, prediction);
+        let white = self.white(fold, &error);
+        let runs = self.doubts[k].iter().zip(white.column_iter());
+        runs.map(|(doubt, e)| {
+            let plain = e.norm_squared();
+            let along = doubt.white.tr_mul(&e);
+            (plain, plain - along.dot(&doubt.spread.solve(&along)))
+        })
+        .collect()
     }
 
-    /// |M (a - b)|^2 for each run that a fold holds out.
-    fn squares(&self, fold: &Fold, a: &[f64], b: &[f64]) -> Vec<f64> {
-        let mut columns = DMatrix::zeros(a.len(), fold.held.len());
+    /// M e for each run that a fold holds out, one column a run.
+    fn white(&self, fold: &Fold, stacked: &[f64]) -> DMatrix<f64> {
+        let mut columns = DMatrix::zeros(stacked.len(), fold.held.len());
         for (k, &run) in fold.held.iter().enumerate() {
             for i in self.bench.samples.runs[run].clone() {
-                columns[(i, k)] = a[i] - b[i];
+                columns[(i, k)] = stacked[i];
             }
         }
         self.whitener
             .whiten_columns(&self.subset.gather_columns(&columns))
-            .column_iter()
-            .map(|column| column.norm_squared())
-            .collect()
     }
+
+    /// What (D9) needs of one run.
+    fn doubt(&self, fold: &Fold, run: usize) -> Doubt {
+        let mut columns = DMatrix::zeros(fold.doubt.nrows(), fold.doubt.ncols());
+        let rows = self.bench.samples.runs[run].clone();
+        let doubt = fold.doubt.rows(rows.start, rows.len());
+        // A run that the fold's extension cannot predict is not excused by it.
+        if doubt.iter().all(|x| x.is_finite()) {
+            columns.rows_mut(rows.start, rows.len()).copy_from(&doubt);
+        }
+        let white = self
+            .whitener
+            .whiten_columns(&self.subset.gather_columns(&columns));
+        let spread = DMatrix::identity(white.ncols(), white.ncols()) + white.tr_mul(&white);
+        Doubt {
+            spread: Cholesky::new(spread).expect("I + B'B is positive definite"),
+            white,
+        }
+    }
+}
+
+fn differences(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 
 /// Sum of squared errors of held-out runs by which the floor from repeats may be wrong: the plate's roughness, and two standard
