@@ -52,6 +52,12 @@ pub(crate) struct Fitted {
     pub(crate) friction: OnceLock<Vec<f64>>,
 }
 
+/// Where a search for the noise's sizes begins, and whether it asks for roughness of another kind.
+struct Further {
+    search: Search,
+    smooth: bool,
+}
+
 impl Fitted {
     /// The part of the prediction that follows friction, stacked over all runs; computed when it is first asked for.
     pub(crate) fn friction(&self, bench: &Bench<'_>) -> &[f64] {
@@ -424,6 +430,41 @@ impl<'a> Bench<'a> {
         within: &DMatrix<f64>,
         search: Search,
     ) -> NoiseModel {
+        let further = Further {
+            search,
+            smooth: true,
+        };
+        self.noise_with(subset, fitted, [jacobian, within], further)
+    }
+
+    /// The same from given sizes, with one length for the roughness of runs and plate and no smoothing but that which it has.
+    pub(crate) fn noise_of_one_length(
+        &self,
+        subset: &Subset,
+        fitted: &Fitted,
+        jacobian: &DMatrix<f64>,
+        within: &DMatrix<f64>,
+        sizes: Sizes,
+    ) -> Sizes {
+        let search = Search::Again(Sizes {
+            plate_ratio: 1.0,
+            ..sizes
+        });
+        let further = Further {
+            search,
+            smooth: false,
+        };
+        self.noise_with(subset, fitted, [jacobian, within], further)
+            .sizes
+    }
+
+    fn noise_with(
+        &self,
+        subset: &Subset,
+        fitted: &Fitted,
+        [jacobian, within]: [&DMatrix<f64>; 2],
+        further: Further,
+    ) -> NoiseModel {
         let context = subset.context_of(self, fitted);
         let residual =
             subset.gather(&self.experiment.measured_n) - subset.gather(&fitted.prediction);
@@ -435,9 +476,9 @@ impl<'a> Bench<'a> {
             &EstimateOptions {
                 stated_sensor: self.stated_sensor,
                 repeats: self.repeats,
-                search,
+                search: further.search,
                 uncertainty: false,
-                smooth: true,
+                smooth: further.smooth,
             },
         )
     }

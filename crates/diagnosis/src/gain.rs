@@ -52,7 +52,7 @@ pub(crate) struct Fold {
     lacking: Vec<Option<Vec<f64>>>,
     /// Predictions with each scrambled extension.
     placebos: Vec<Vec<f64>>,
-    /// J L of the fold's extension, all samples x directions: L L' is the covariance of its parameters (D9).
+    /// J L of the fold's extension, all samples x directions: L L' is the covariance of its parameters (D11).
     pub(crate) doubt: DMatrix<f64>,
 }
 
@@ -330,7 +330,7 @@ struct Errors {
     runs: Vec<(f64, f64)>,
     /// The same sums weighed by the noise, where it is known.
     weighed: Vec<f64>,
-    /// Those weighed by the fold's own doubt too (D9).
+    /// Those weighed by the fold's own doubt too (D11).
     doubted: Vec<f64>,
 }
 

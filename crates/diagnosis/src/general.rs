@@ -261,27 +261,32 @@ fn each_run(samples: &Samples, scale: &[f64]) -> Hats {
     }
 }
 
+/// Places of the plate at which steps are looked for.
+pub(crate) const STEPS: usize = 47;
+
 /// Steps of friction on the plate, at places between its ends: one column a place.
 pub(crate) fn steps(samples: &Samples, scale: &[f64]) -> Hats {
-    const PLACES: usize = 48;
     let (lo, hi) = range(&samples.place);
-    let width = (hi - lo) / PLACES as f64;
-    let at = |j: usize| lo + width * (j + 1) as f64;
-    let columns = DMatrix::from_fn(samples.len(), PLACES - 1, |i, j| {
-        if samples.place[i] > at(j) {
+    let width = (hi - lo) / (STEPS + 1) as f64;
+    let places: Vec<f64> = (1..=STEPS).map(|j| lo + width * j as f64).collect();
+    steps_at(samples, scale, &places, width)
+}
+
+/// Steps of friction at these places of the plate, each known to within `width`.
+pub(crate) fn steps_at(samples: &Samples, scale: &[f64], places: &[f64], width: f64) -> Hats {
+    let columns = DMatrix::from_fn(samples.len(), places.len(), |i, j| {
+        if samples.place[i] > places[j] {
             scale[i]
         } else {
             0.0
         }
     });
-    let cells = (0..PLACES - 1)
-        .map(|j| (at(j) - width, at(j) + width, None))
-        .collect();
+    let cells = places.iter().map(|at| (at - width, at + width, None));
     Hats {
         axis: "position",
         unit: "m",
         columns,
-        cells,
+        cells: cells.collect(),
     }
 }
 

@@ -1,7 +1,9 @@
 //! When names are taken back: a refusal beats a wrong name.
 
+use nalgebra::DMatrix;
 use rig::{Reach, Station};
 
+use crate::answer::Place;
 use crate::bench::{Bench, Fitted};
 use crate::equivalence::{Contest, Opponent};
 use crate::general::{self, Lack};
@@ -126,40 +128,102 @@ pub(crate) fn take_all_back(bench: &Bench<'_>, selected: &mut Selected) {
 /// Where one step of friction somewhere on the plate explains more than all named causes together, nothing is named: a step
 /// in the middle looks like a gradient, three quarters of it.
 fn refuse_beside_step(bench: &Bench<'_>, selected: &mut Selected, margin: f64) {
-    if selected.stand.fitted.effects.is_empty() {
+    let effects = &selected.stand.fitted.effects;
+    if effects.is_empty() {
         return;
     }
-    let stand = &selected.baseline;
-    let explained = stand.deviance - selected.stand.deviance;
-    let subset = &selected.subset;
-    let samples = subset.samples(bench);
-    let scale = subset.gather(stand.fitted.friction(bench));
-    let columns = general::steps(&samples, scale.as_slice());
-    let white = stand.whitener.whiten_columns(&columns.columns);
-    let rows = white.nrows() + stand.prior_rows;
-    let white = white.resize_vertically(rows, 0.0);
-    let strongest = (0..white.ncols())
-        .filter_map(|j| {
-            let direction = stand.ground.direction(&white.columns(j, 1).into_owned())?;
-            let score = stand.ground.score(&direction);
-            Some((score.statistic, j, score.log_p))
-        })
-        .max_by(|a, b| a.0.total_cmp(&b.0));
-    let Some((statistic, j, log_p)) = strongest else {
+    let law = &selected.baseline;
+    let Some(mut step) = strongest_step(bench, selected, law, None) else {
         return;
     };
-    if statistic < explained + margin {
+    let of_the_plate = |&cause: &usize| bench.catalogue[cause].station() == Station::Surface;
+    if effects.iter().any(of_the_plate)
+        && let Some(closer) = beside_its_own_noise(bench, selected, &step)
+        && closer.explained > step.explained
+    {
+        step = closer;
+    }
+    if step.explained < law.deviance - selected.stand.deviance + margin {
         return;
     }
-    let fitted = stand.fitted.clone();
-    let place = columns.place(j, &bench.run_names(subset));
+    let fitted = law.fitted.clone();
     selected.stand = Stand::new(bench, &selected.subset, fitted, selected.stand.sizes);
     selected.entry_log_p.clear();
     selected.left = Lack {
-        log_p,
-        place: Some(place),
-        excess: statistic,
+        log_p: step.log_p,
+        place: Some(step.place),
+        excess: step.explained,
     };
+}
+
+/// A step of friction on the plate beside the law alone.
+struct Step {
+    place: Place,
+    /// Deviance that it explains.
+    explained: f64,
+    log_p: f64,
+}
+
+/// Shares of a cell by which a step's place is moved to and fro once it is known to a cell.
+const WITHIN_A_CELL: i32 = 8;
+
+/// The step that explains most beside a stand of the law; `about`: only near this place, finely.
+fn strongest_step(
+    bench: &Bench<'_>,
+    selected: &Selected,
+    law: &Stand,
+    about: Option<&Place>,
+) -> Option<Step> {
+    let subset = &selected.subset;
+    let samples = subset.samples(bench);
+    let scale = subset.gather(law.fitted.friction(bench));
+    let steps = match about {
+        None => general::steps(&samples, scale.as_slice()),
+        Some(place) => {
+            let half = 0.5 * (place.to - place.from);
+            let moved = (-WITHIN_A_CELL..=WITHIN_A_CELL).map(f64::from);
+            let middle = place.from + half;
+            let places = moved.map(|k| middle + half * k / f64::from(WITHIN_A_CELL));
+            general::steps_at(
+                &samples,
+                scale.as_slice(),
+                &places.collect::<Vec<_>>(),
+                half,
+            )
+        }
+    };
+    let white = law.whitener.whiten_columns(&steps.columns);
+    let rows = white.nrows() + law.prior_rows;
+    let white = white.resize_vertically(rows, 0.0);
+    let strongest = (0..white.ncols())
+        .filter_map(|j| {
+            let direction = law.ground.direction(&white.columns(j, 1).into_owned())?;
+            Some((j, law.ground.score(&direction)))
+        })
+        .max_by(|a, b| a.1.statistic.total_cmp(&b.1.statistic));
+    strongest.map(|(j, score)| Step {
+        place: steps.place(j, &bench.run_names(subset)),
+        explained: score.statistic,
+        log_p: score.log_p,
+    })
+}
+
+/// The same step with the noise estimated beside it, by roughness of one length: beside the law alone the roughness of the plate swallows
+/// most of a step, by its size and by a length of its own. All places that were tried are paid for.
+fn beside_its_own_noise(bench: &Bench<'_>, selected: &Selected, step: &Step) -> Option<Step> {
+    let (law, subset) = (&selected.baseline, &selected.subset);
+    let at = 0.5 * (step.place.from + step.place.to);
+    let friction = law.fitted.friction(bench);
+    let beyond = |i: usize| f64::from(u8::from(bench.samples.place[i] > at));
+    let column = DMatrix::from_fn(friction.len(), 1, |i, _| beyond(i) * friction[i]);
+    let sizes = bench.noise_of_one_length(subset, &law.fitted, &law.jacobian, &column, law.sizes);
+    let own = Stand::new(bench, subset, law.fitted.clone(), sizes);
+    let closer = strongest_step(bench, selected, &own, Some(&step.place))?;
+    let tried = (general::STEPS * WITHIN_A_CELL as usize) as f64;
+    Some(Step {
+        explained: law.deviance - own.deviance + closer.explained - 2.0 * tried.ln(),
+        ..closer
+    })
 }
 
 /// Where something is left that nothing explains: only causes that explain most of it stay named.

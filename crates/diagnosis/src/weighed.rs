@@ -18,7 +18,7 @@
 //! would then outweigh all others. Where extensions are compared with scrambled ones, errors count by the noise and by that doubt:
 //!
 //! ```text
-//! |e|^2 - (B'e)' (I + B'B)^-1 B'e,   e = M (y - f),   B = M J L,   L L' = C                             (D9)
+//! |e|^2 - (B'e)' (I + B'B)^-1 B'e,   e = M (y - f),   B = M J L,   L L' = C                             (D11)
 //! ```
 //!
 //! which is e'(I + B B')^-1 e; J and C are the Jacobian and the covariance of the extension that the fold fitted, for the law, the
@@ -43,7 +43,7 @@ pub(crate) struct Weighed<'a> {
     pub(crate) own: f64,
     /// The share of A that may be wrong: two standard deviations of a chi-squared with p degrees of freedom, over its mean.
     pub(crate) wrong: f64,
-    /// B of (D9) and the factor of I + B'B: for each fold, for each run that it holds out.
+    /// B of (D11) and the factor of I + B'B: for each fold, for each run that it holds out.
     doubts: Vec<Vec<Doubt>>,
 }
 
@@ -95,7 +95,7 @@ impl<'a> Weighed<'a> {
         Some(weighed)
     }
 
-    /// |M (y - f)|^2 of a prediction f for each run that the k-th fold holds out, and the same by the fold's doubt too (D9).
+    /// |M (y - f)|^2 of a prediction f for each run that the k-th fold holds out, and the same by the fold's doubt too (D11).
     pub(crate) fn errors(&self, k: usize, fold: &Fold, prediction: &[f64]) -> Vec<(f64, f64)> {
         let error = differences(&self.bench.experiment.measured_n, prediction);
         let white = self.white(fold, &error);
@@ -120,7 +120,7 @@ impl<'a> Weighed<'a> {
             .whiten_columns(&self.subset.gather_columns(&columns))
     }
 
-    /// What (D9) needs of one run.
+    /// What (D11) needs of one run.
     fn doubt(&self, fold: &Fold, run: usize) -> Doubt {
         let mut columns = DMatrix::zeros(fold.doubt.nrows(), fold.doubt.ncols());
         let rows = self.bench.samples.runs[run].clone();

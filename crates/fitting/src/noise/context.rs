@@ -94,6 +94,18 @@ impl Context {
             })
     }
 
+    /// Whether most runs go back and forth, so that places are passed at many speeds and times: what the law misses is then no field of
+    /// the plate.
+    pub fn goes_back_and_forth(&self) -> bool {
+        let to_and_fro = |run: &&Range<usize>| {
+            let places = &self.place[(*run).clone()];
+            let lo = places.iter().copied().fold(f64::INFINITY, f64::min);
+            let hi = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            self.sliding[run.end - 1] - self.sliding[run.start] > 1.5 * (hi - lo)
+        };
+        2 * self.runs.iter().filter(to_and_fro).count() > self.runs.len()
+    }
+
     /// Share of the plate's occupied cells (a hundred of them) that at least two runs pass, or one run twice or more.
     ///
     /// Where this is zero the two roughnesses cannot be told apart.

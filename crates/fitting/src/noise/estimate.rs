@@ -80,6 +80,8 @@ pub struct NoiseModel {
 
 /// The plate's length over the longest correlation length that counts as roughness.
 const LONGEST_SHARE: f64 = 20.0;
+/// The same where runs go back and forth and no step of the plate says as much.
+const LONGEST_SHARE_TO_AND_FRO: f64 = 6.0;
 /// Samples beyond which starts are compared on every other run only.
 const MANY: usize = 40_000;
 
@@ -123,7 +125,8 @@ pub fn estimate(
         let apart = plate_separable
             .then(|| frame.two_lengths(&criterion, &minimum, &mut evaluations))
             .flatten();
-        let further = smoother.into_iter().chain(apart);
+        let longer = frame.longer(&criterion, &minimum, &mut evaluations);
+        let further = smoother.into_iter().chain(apart).chain(longer);
         if let Some(best) = further.max_by(|a, b| a.saved.total_cmp(&b.saved)) {
             (frame, minimum) = (best.frame, best.minimum);
         }
@@ -204,6 +207,9 @@ const MOST_RATIO: f64 = 5.0;
 /// The plate's length over the longest of a roughness that is longer than the private one.
 const LONGEST_PLATE_SHARE: f64 = 40.0;
 
+/// A length nearer to its bound than this share lies on it.
+const ON_BOUND: f64 = 0.05;
+
 /// Scales and bounds of the search.
 #[derive(Clone)]
 pub(super) struct Frame {
@@ -215,6 +221,8 @@ pub(super) struct Frame {
     starts: usize,
     lengths: (f64, f64),
     longest_plate: f64,
+    /// The longest length where no law can be mistaken for a field of the plate; `None` where it can.
+    longest_to_and_fro: Option<f64>,
 }
 
 impl Frame {
@@ -240,9 +248,18 @@ impl Frame {
         // A run that goes back and forth slides far over a short plate: the plate is what counts.
         let span = if hi > lo { hi - lo } else { slid.max(1e-9) };
         let step = slid / (n / context.runs.len() as f64);
-        // A correlation over more than a twentieth of the plate is no roughness but a law that misses the record.
+        // A correlation over more than a twentieth of the plate is no roughness but a law that misses the record, unless places
+        // are passed at many speeds.
         let shortest = (0.2 * step).max(span * 1e-4);
-        let lengths = (shortest, (span / LONGEST_SHARE).max(2.0 * shortest));
+        let longest = (span / LONGEST_SHARE).max(2.0 * shortest);
+        let longest_to_and_fro = context
+            .goes_back_and_forth()
+            .then_some((span / LONGEST_SHARE_TO_AND_FRO).max(longest));
+        let begun_longer = options.search.start().is_some_and(|s| s.length > longest);
+        let longest = longest_to_and_fro
+            .filter(|_| begun_longer)
+            .unwrap_or(longest);
+        let lengths = (shortest, longest);
         let bounds = vec![
             ((absolute * 1e-5).ln(), (absolute * 4.0).ln()),
             ((relative * 1e-4).ln(), (relative * 6.0).ln()),
@@ -260,6 +277,7 @@ impl Frame {
             starts: 0,
             lengths,
             longest_plate: span / LONGEST_PLATE_SHARE,
+            longest_to_and_fro,
         }
         .counting(options)
         .with(if own_length {
@@ -277,6 +295,18 @@ impl Frame {
             More::PlateRatio => (-MOST_RATIO.ln(), MOST_RATIO.ln()),
         };
         self
+    }
+
+    /// The same with longer roughness, where the record allows for it and `found` lies on the bound.
+    pub(super) fn reaching_further(&self, found: &[f64]) -> Option<Self> {
+        let longest = self.longest_to_and_fro?.ln();
+        let bound = self.bounds[LENGTH].1;
+        let bent = found[LENGTH] > bound - ON_BOUND && longest > bound + ON_BOUND;
+        bent.then(|| {
+            let mut further = self.clone();
+            further.bounds[LENGTH].1 = longest;
+            further
+        })
     }
 
     fn counting(mut self, options: &EstimateOptions) -> Self {

@@ -17,6 +17,8 @@ const WORTH_SMOOTHING: f64 = 2.0;
 const RATIOS: [(f64, f64); 4] = [(0.4, 0.0), (0.4, -0.5), (2.5, 0.0), (2.5, -0.5)];
 /// -2 log likelihood that a second length must save.
 const WORTH_SECOND_LENGTH: f64 = 6.0;
+/// The same of one length that is longer than roughness mostly is.
+const WORTH_LONGER: f64 = 2.0;
 
 /// Places of the plate at which a step is looked for.
 const PLACES: usize = 60;
@@ -144,6 +146,26 @@ impl Frame {
         Some(Further {
             frame: apart,
             minimum: found,
+            saved,
+        })
+    }
+
+    /// Roughness longer than a twentieth of the plate, where runs go back and forth and it is likelier than a step of the plate.
+    pub(super) fn longer(
+        &self,
+        criterion: &Criterion<'_>,
+        one: &Minimum,
+        evaluations: &mut usize,
+    ) -> Option<Further> {
+        let frame = self.reaching_further(&one.point)?;
+        let spacing = self.sizes(&one.point).node_spacing();
+        let minimum = frame.near(criterion, &one.point, spacing);
+        *evaluations += minimum.evaluations;
+        let saved = criterion.value(&self.sizes(&one.point), spacing) - minimum.value;
+        let enough = saved > WORTH_LONGER && saved > self.a_step_saves(criterion, one, evaluations);
+        enough.then_some(Further {
+            frame,
+            minimum,
             saved,
         })
     }
