@@ -397,6 +397,75 @@ fn a_length_of_the_plates_own_is_told_from_one_for_both() {
     );
 }
 
+/// Six runs that go back and forth on a plate of 0.1 m, each over a stretch and with a period of its own.
+fn oscillations(samples: usize) -> Context {
+    let mut context = ramps(samples, 3);
+    for (k, run) in context.runs.clone().into_iter().enumerate() {
+        let (reach, turns) = (0.05 - 0.006 * k as f64, 2.5 + 0.7 * k as f64);
+        let place = |t: f64| 0.05 + reach * (std::f64::consts::TAU * turns * t).sin();
+        let mut slid = 0.0;
+        for (i, row) in run.enumerate() {
+            let (now, before) = (i as f64, (i as f64 - 1.0).max(0.0));
+            let moved = place(now / samples as f64) - place(before / samples as f64);
+            slid += moved.abs();
+            context.sliding[row] = slid;
+            context.place[row] = place(now / samples as f64);
+            context.scale[row] = if moved < 0.0 { -1.6 } else { 1.6 };
+        }
+    }
+    context
+}
+
+/// Roughness of a ninth of the plate is found where runs go back and forth, so that no law looks like it; not on ramps, and not where
+/// friction steps at one place.
+#[test]
+fn long_roughness_is_found_where_runs_go_back_and_forth() {
+    let none = |context: &Context| DMatrix::zeros(context.samples(), 0);
+    let options = EstimateOptions {
+        repeats: true,
+        smooth: true,
+        ..EstimateOptions::default()
+    };
+    let long = Sizes {
+        length: 0.011,
+        ..SIZES
+    };
+    let lengths = |context: &Context, sizes: &Sizes, step: f64| -> Vec<f64> {
+        let mean = DMatrix::from_column_slice(context.samples(), 1, &context.scale);
+        let draws = (0..8).map(|seed| draw(context, sizes, 80 + seed));
+        let estimates = draws.map(|mut r| {
+            for (i, r) in r.iter_mut().enumerate() {
+                if context.place[i] > 0.06 {
+                    *r += step * context.scale[i];
+                }
+            }
+            estimate(context, &r, &mean, &none(context), &options)
+        });
+        estimates.map(|noise| noise.sizes.length).collect()
+    };
+    let to_and_fro = oscillations(300);
+    assert!(to_and_fro.goes_back_and_forth());
+    assert!(!ramps(300, 3).goes_back_and_forth());
+    let twentieth = 0.1 / 20.0;
+    let found = lengths(&to_and_fro, &long, 0.0);
+    assert!(
+        found.iter().filter(|&&l| l > 1.2 * twentieth).count() >= 7,
+        "{found:?}"
+    );
+    let mean = found.iter().map(|l| l.ln()).sum::<f64>() / 8.0;
+    assert!((mean - long.length.ln()).abs() < 0.3, "{mean} {found:?}");
+    let on_ramps = lengths(&ramps(300, 3), &long, 0.0);
+    assert!(
+        on_ramps.iter().all(|&l| l < 1.01 * twentieth),
+        "{on_ramps:?}"
+    );
+    let stepped = lengths(&to_and_fro, &SIZES, 0.06);
+    assert!(
+        stepped.iter().filter(|&&l| l > 1.2 * twentieth).count() <= 1,
+        "{stepped:?}"
+    );
+}
+
 /// The two linear-time paths (rotations; banded information matrix) are the same covariance.
 #[test]
 fn rotations_and_information_agree() {
