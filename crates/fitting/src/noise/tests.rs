@@ -416,8 +416,7 @@ fn oscillations(samples: usize) -> Context {
     context
 }
 
-/// Roughness of a ninth of the plate is found where runs go back and forth, so that no law looks like it; not on ramps, and not where
-/// friction steps at one place.
+/// Roughness of a ninth of the plate is found where runs go back and forth, so that no law looks like it; not on ramps.
 #[test]
 fn long_roughness_is_found_where_runs_go_back_and_forth() {
     let none = |context: &Context| DMatrix::zeros(context.samples(), 0);
@@ -430,39 +429,27 @@ fn long_roughness_is_found_where_runs_go_back_and_forth() {
         length: 0.011,
         ..SIZES
     };
-    let lengths = |context: &Context, sizes: &Sizes, step: f64| -> Vec<f64> {
+    let lengths = |context: &Context| -> Vec<f64> {
         let mean = DMatrix::from_column_slice(context.samples(), 1, &context.scale);
-        let draws = (0..8).map(|seed| draw(context, sizes, 80 + seed));
-        let estimates = draws.map(|mut r| {
-            for (i, r) in r.iter_mut().enumerate() {
-                if context.place[i] > 0.06 {
-                    *r += step * context.scale[i];
-                }
-            }
-            estimate(context, &r, &mean, &none(context), &options)
-        });
+        let draws = (0..8).map(|seed| draw(context, &long, 80 + seed));
+        let estimates = draws.map(|r| estimate(context, &r, &mean, &none(context), &options));
         estimates.map(|noise| noise.sizes.length).collect()
     };
     let to_and_fro = oscillations(300);
     assert!(to_and_fro.goes_back_and_forth());
     assert!(!ramps(300, 3).goes_back_and_forth());
     let twentieth = 0.1 / 20.0;
-    let found = lengths(&to_and_fro, &long, 0.0);
+    let found = lengths(&to_and_fro);
     assert!(
         found.iter().filter(|&&l| l > 1.2 * twentieth).count() >= 7,
         "{found:?}"
     );
     let mean = found.iter().map(|l| l.ln()).sum::<f64>() / 8.0;
     assert!((mean - long.length.ln()).abs() < 0.3, "{mean} {found:?}");
-    let on_ramps = lengths(&ramps(300, 3), &long, 0.0);
+    let on_ramps = lengths(&ramps(300, 3));
     assert!(
         on_ramps.iter().all(|&l| l < 1.01 * twentieth),
         "{on_ramps:?}"
-    );
-    let stepped = lengths(&to_and_fro, &SIZES, 0.06);
-    assert!(
-        stepped.iter().filter(|&&l| l > 1.2 * twentieth).count() <= 1,
-        "{stepped:?}"
     );
 }
 
