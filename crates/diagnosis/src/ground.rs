@@ -19,7 +19,7 @@
 //! weighs the tail probabilities. Where runs tell the scatter from few degrees of freedom this is Student's t, and an
 //! effect that lives within runs loses nothing.
 
-use fitting::noise::ScatterEvidence;
+use fitting::noise::{ScatterEvidence, free_gains};
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use crate::bench::Bench;
@@ -91,16 +91,7 @@ impl Ground {
         let basis = orthonormal(jacobian, 1e-9).0;
         let y = residual - &basis * basis.tr_mul(residual);
         let free = gains - &basis * basis.tr_mul(gains);
-        let full = (0..gains.ncols())
-            .map(|k| gains.column(k).norm_squared())
-            .fold(0.0, f64::max);
-        let eigen = free.tr_mul(&free).symmetric_eigen();
-        let mut order: Vec<usize> = (0..eigen.eigenvalues.len())
-            .filter(|&k| eigen.eigenvalues[k] > 1e-6 * full)
-            .collect();
-        order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
-        let turn = eigen.eigenvectors.select_columns(&order);
-        let lambda: Vec<f64> = order.iter().map(|&k| eigen.eigenvalues[k]).collect();
+        let (lambda, turn) = free_gains(gains, &free);
         let gains = &free * &turn;
         let turned: Vec<f64> = gains.tr_mul(&y).iter().copied().collect();
         let evidence = ScatterEvidence {

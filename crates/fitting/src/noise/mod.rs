@@ -44,5 +44,5 @@ pub use estimate::{EstimateOptions, NoiseModel, Search, estimate};
 pub use lag::{Lag, left_s};
 pub use ring::{Ring, Spring};
 pub use roughness::Roughness;
-pub use scatter::ScatterEvidence;
+pub use scatter::{ScatterEvidence, free_gains};
 pub use whitener::Whitener;

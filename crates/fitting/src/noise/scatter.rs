@@ -27,24 +27,11 @@ impl ScatterEvidence {
         let basis = orthonormal_basis(mean);
         let projected = gains - &basis * basis.tr_mul(gains);
         let rest = residual - &basis * basis.tr_mul(residual);
-        let gram = projected.tr_mul(&projected);
-        let full = (0..gains.ncols())
-            .map(|k| gains.column(k).norm_squared())
-            .fold(0.0, f64::max);
         let score = projected.tr_mul(&rest);
-        let eigen = gram.symmetric_eigen();
-        let turned = eigen.eigenvectors.tr_mul(&score);
-        let mut pairs: Vec<(f64, f64)> = eigen
-            .eigenvalues
-            .iter()
-            .zip(turned.iter())
-            .filter(|(l, _)| **l > 1e-6 * full)
-            .map(|(l, t)| (*l, *t))
-            .collect();
-        pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let (lambda, turn) = free_gains(gains, &projected);
         Self {
-            lambda: pairs.iter().map(|p| p.0).collect(),
-            score: pairs.iter().map(|p| p.1).collect(),
+            lambda,
+            score: turn.tr_mul(&score).iter().copied().collect(),
         }
     }
 
@@ -124,6 +111,25 @@ impl ScatterEvidence {
         let s = 0.5 * (lo + hi);
         if self.deviance(s) < 0.0 { s } else { 0.0 }
     }
+}
+
+/// A direction between runs tells of the scatter where the mean leaves more than this share of its squared length. Of what is left of
+/// others an error of the mean makes scatters of many hundred percent, beside which every effect is nothing.
+const LEFT_OF_A_GAIN: f64 = 1e-3;
+
+/// lambda (largest first) and E of (N2) in the directions between runs of which the mean leaves enough; `projected`: the whitened gains
+/// with the mean's columns taken out.
+pub fn free_gains(gains: &DMatrix<f64>, projected: &DMatrix<f64>) -> (Vec<f64>, DMatrix<f64>) {
+    let whole = gains.tr_mul(gains);
+    let eigen = projected.tr_mul(projected).symmetric_eigen();
+    let left = |k: &usize| {
+        let e = eigen.eigenvectors.column(*k);
+        eigen.eigenvalues[*k] > LEFT_OF_A_GAIN * e.dot(&(&whole * e))
+    };
+    let mut order: Vec<usize> = (0..gains.ncols()).filter(left).collect();
+    order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
+    let lambda = order.iter().map(|&k| eigen.eigenvalues[k]).collect();
+    (lambda, eigen.eigenvectors.select_columns(&order))
 }
 
 /// Stacked force of run k in column k, zero in all other runs.

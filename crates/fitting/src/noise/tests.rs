@@ -619,3 +619,31 @@ fn transposed_whitening_is_the_adjoint() {
         assert!((left - right).abs() < 1e-10 * size, "{left} {right}");
     }
 }
+
+/// A mean that absorbs the gain common to all runs but for a thousandth of it, and misses the record there: that is an error of the mean,
+/// and no scatter of many hundred percent.
+#[test]
+fn what_the_mean_leaves_of_a_gain_is_no_scatter() {
+    let context = ramps(60, 3);
+    let gains = gain_columns(&context).scale(1e3);
+    let common: DVector<f64> = gains.column_sum();
+    let bend = DVector::from_fn(common.len(), |i, _| common[i] * (i as f64).sin());
+    let mean = DMatrix::from_columns(&[&common + 1e-3 * &bend]);
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let mut noise = |n: usize| DVector::from_fn(n, |_, _| StandardNormal.sample(&mut rng));
+    let runs: DVector<f64> = noise(gains.ncols());
+    let scattered = &gains * runs.scale(0.01) + noise(common.len());
+    let right = ScatterEvidence::new(&gains, &mean, &scattered);
+    let missed = ScatterEvidence::new(&gains, &mean, &(&scattered + 0.05 * &bend));
+    assert_eq!(right.degrees_of_freedom(), 5);
+    assert!(
+        (right.estimate() - 0.01).abs() < 0.005,
+        "{}",
+        right.estimate()
+    );
+    assert!(
+        (missed.estimate() / right.estimate() - 1.0).abs() < 0.2,
+        "{}",
+        missed.estimate()
+    );
+}
