@@ -156,7 +156,10 @@ impl Stand {
     /// The ground with each residual drawn towards zero by half a step of the force channel: what rounding may have made is
     /// taken out, what is beyond it stays. `None` where the step is lost in the noise.
     pub(crate) fn beyond_rounding(&self, bench: &Bench<'_>, subset: &Subset) -> Option<Ground> {
-        let half = 0.5 * bench.step_n.filter(|s| is_staircase(*s, self.sizes.sensor))?;
+        let half = 0.5
+            * bench
+                .step_n
+                .filter(|s| is_staircase(*s, self.sizes.sensor))?;
         let residual =
             subset.gather(&bench.experiment.measured_n) - subset.gather(&self.fitted.prediction);
         let left = residual.map(|r| r.signum() * (r.abs() - half).max(0.0));

@@ -4,6 +4,9 @@
 //! [`Stage`]), keeping outputs by content ([`cache`]); [`judgements`] set values beside printed numbers and [`judge`]
 //! makes verdicts of them; [`results`] is what other programs read, [`compose`] the page.
 
+#[macro_use]
+mod say;
+
 pub mod against;
 mod audit;
 pub mod cache;

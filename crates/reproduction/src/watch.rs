@@ -44,7 +44,7 @@ impl Watch {
         match &self.bars {
             // Nobody is there to be told that the terminal went away.
             Some(bars) => drop(bars.println(text)),
-            None => eprintln!("{text}"),
+            None => tell!("{text}"),
         }
     }
 
@@ -74,7 +74,7 @@ impl Watch {
         let running = self.running.lock().unwrap_or_else(PoisonError::into_inner);
         match running.get(id) {
             Some((_, Some(bar))) => bar.set_message(text.to_owned()),
-            _ => eprintln!("         {id:14} {text}"),
+            _ => tell!("         {id:14} {text}"),
         }
     }
 

@@ -48,7 +48,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
     };
     let campaign = campaign::open(&root::root()?.join(CAMPAIGN)).map_err(Failure::input)?;
     for (name, bench) in chosen {
-        println!("{name}");
+        say!("{name}");
         bench(&campaign, arguments)?;
     }
     Ok(Outcome::Done)
@@ -88,12 +88,12 @@ fn ramp(campaign: &Campaign, _: &BenchArguments) -> Result<(), Failure> {
             .predict_with_jacobian(&experiment, &found.parameters, None)
             .0[0];
     });
-    println!(
+    say!(
         "  prediction of one ramp of {} samples  {} us",
         experiment.samples(),
         significant(plain)
     );
-    println!(
+    say!(
         "  the same with its Jacobian            {} us ({} predictions)",
         significant(jacobian),
         significant(jacobian / plain)
@@ -116,7 +116,7 @@ fn identification(campaign: &Campaign, _: &BenchArguments) -> Result<(), Failure
         let start = Instant::now();
         let found = identify(campaign, &question).map_err(Failure::input)?;
         let seconds = start.elapsed().as_secs_f64();
-        println!(
+        say!(
             "  {words:24} {} s, {}",
             significant(seconds),
             found.status.id()

@@ -49,10 +49,10 @@ fn one(arguments: &ClaimArguments, id: &str) -> Result<Outcome, Failure> {
     };
     tell(&claim, judged, &results);
     let costs = Costs::read(&inputs.root, &cache::folder(&folder)).map_err(Failure::input)?;
-    println!("cost       {}", cost(&claim, &results, &costs));
+    say!("cost       {}", cost(&claim, &results, &costs));
     let disagreements = disagreements(&only(&results, &claim));
     for disagreement in &disagreements {
-        eprintln!("not as pinned: {disagreement}");
+        tell!("not as pinned: {disagreement}");
     }
     let not_run = judged.verdict == Verdict::NotRun;
     Ok(if disagreements.is_empty() && !not_run {
@@ -80,22 +80,23 @@ fn only(results: &Results, claim: &Claim) -> Results {
 }
 
 fn tell(claim: &Claim, judged: &Judged, results: &Results) {
-    println!("{}  {}", claim.id, claim.text);
-    println!("verdict    {}", judged.verdict.word());
-    println!("evidence   {}", judged.evidence.word());
-    println!("published  {} ({})", claim.published_text, claim.locator);
+    say!("{}  {}", claim.id, claim.text);
+    say!("verdict    {}", judged.verdict.word());
+    say!("evidence   {}", judged.evidence.word());
+    say!("published  {} ({})", claim.published_text, claim.locator);
     for check in &judged.checks {
-        println!("ours       {}", compared(check));
+        say!("ours       {}", compared(check));
     }
-    println!("tolerance  {}", claim.tolerance_text);
-    println!("reason     {}", claim.reason);
+    say!("tolerance  {}", claim.tolerance_text);
+    say!("reason     {}", claim.reason);
     if let Some(words) = flips::words(claim, &judged.checks) {
-        println!("flips      {words}");
+        say!("flips      {words}");
     }
     if let Some(multiverse) = results.multiverses.get(&claim.id) {
-        println!(
+        say!(
             "choices    the same verdict in {} of {} combinations; the report lists them",
-            multiverse.holds, multiverse.of
+            multiverse.holds,
+            multiverse.of
         );
     }
     for stage in results
@@ -103,7 +104,7 @@ fn tell(claim: &Claim, judged: &Judged, results: &Results) {
         .iter()
         .filter(|stage| stage.status() != "done")
     {
-        println!("stage      {}: {}", stage.id, stage.status());
+        say!("stage      {}: {}", stage.id, stage.status());
     }
 }
 

@@ -41,7 +41,7 @@ pub(super) fn run(count: usize, seed: u64) -> Result<(), Failure> {
         for one in &mut series {
             one.go_on(first..last)?;
         }
-        eprintln!("{last} of {count} campaigns of each");
+        tell!("{last} of {count} campaigns of each");
     }
     let mut tables = serde_json::Map::new();
     for one in &series {
@@ -59,7 +59,7 @@ pub(super) fn run(count: usize, seed: u64) -> Result<(), Failure> {
     let text = format!("{document:#}\n");
     campaign::write_atomically(&path, text.as_bytes())
         .map_err(|error| Failure::Output(format!("{}: {error}", path.display())))?;
-    println!("written to {}", path.display());
+    say!("written to {}", path.display());
     Ok(())
 }
 
@@ -249,11 +249,13 @@ fn parsed(line: &str, parameters: usize) -> Option<Option<Vec<Simulated>>> {
 }
 
 fn print(name: &str, seed: u64, found: &Coverage) {
-    println!(
+    say!(
         "{name}: {} campaigns, seed {seed}, {} converged, {} resampled over runs",
-        found.campaigns, found.converged, found.resampled
+        found.campaigns,
+        found.converged,
+        found.resampled
     );
-    println!(
+    say!(
         "{:20} {:>12} {:>9} {:>7} {:>7} {:>9} {:>10} {:>10} {:>7}",
         "parameter",
         "truth",
@@ -267,7 +269,7 @@ fn print(name: &str, seed: u64, found: &Coverage) {
     );
     let share = |count: usize, of: usize| 100.0 * count as f64 / of.max(1) as f64;
     for p in &found.parameters {
-        println!(
+        say!(
             "{:20} {:>12.5e} {:>8.2}% {:>6.2}% {:>6.2}% {:>8.2}% {:>9.2}% {:>9.2}% {:>+7.3}",
             p.name,
             p.truth,

@@ -27,7 +27,7 @@ pub(super) fn run(arguments: &DiagnoseArguments) -> Result<Outcome, Failure> {
         files::json(arguments.json.as_deref(), &design)?;
         return Ok(Outcome::Done);
     }
-    eprintln!("diagnosing {} runs", campaign.runs.len());
+    tell!("diagnosing {} runs", campaign.runs.len());
     let diagnosed = diagnosis::diagnose_fully(&campaign, &options).map_err(Failure::input)?;
     let answer = &diagnosed.answer;
     print(answer);
@@ -51,11 +51,12 @@ pub(super) fn run(arguments: &DiagnoseArguments) -> Result<Outcome, Failure> {
 
 /// Thresholds and the nearest rival of each cause: the whole matrix stands in the JSON.
 fn print_design(design: &Design) {
-    println!(
+    say!(
         "{}: what this protocol could tell (law {}; forces not read, noise nominal)",
-        design.campaign, design.law
+        design.campaign,
+        design.law
     );
-    println!(
+    say!(
         "cause | smallest size found in nine cases of ten | nearest rival (sine of the angle between the two)"
     );
     for (i, threshold) in design.thresholds.iter().enumerate() {
@@ -80,10 +81,10 @@ fn print_design(design: &Design) {
         let rival = nearest.map_or_else(String::new, |(j, s)| {
             format!("{} ({})", design.thresholds[j].cause, significant(s))
         });
-        println!("{} | {size} | {rival}", threshold.cause);
+        say!("{} | {size} | {rival}", threshold.cause);
     }
     for open in &design.undecidable {
-        println!(
+        say!(
             "undecidable: {} ({}); would decide: {}",
             open.causes.join(", "),
             open.because,
@@ -93,7 +94,7 @@ fn print_design(design: &Design) {
 }
 
 fn print(answer: &Diagnosis) {
-    println!(
+    say!(
         "{}: {} (law {})",
         answer.campaign,
         answer.status.word(),
@@ -104,7 +105,7 @@ fn print(answer: &Diagnosis) {
     } else {
         answer.noise_floor.unit.as_str()
     };
-    println!(
+    say!(
         "error {} {unit}, noise floor {} {unit} (from {})",
         significant(answer.baseline.rmse),
         significant(answer.noise_floor.rmse),
@@ -116,14 +117,14 @@ fn print(answer: &Diagnosis) {
         } else {
             format!(", or {}", finding.equivalent.join(", or "))
         };
-        println!(
+        say!(
             "cause {} at the {}{with}, probability {}",
             finding.cause,
             finding.station,
             significant(finding.probability)
         );
         for parameter in &finding.parameters {
-            println!(
+            say!(
                 "  {} = {} {}",
                 parameter.name,
                 significant(parameter.value),
@@ -133,18 +134,18 @@ fn print(answer: &Diagnosis) {
     }
     if answer.unexplained.detected {
         match &answer.unexplained.r#where {
-            Some(place) => println!(
+            Some(place) => say!(
                 "unexplained structure at {} {} to {} {}",
                 place.axis,
                 significant(place.from),
                 significant(place.to),
                 place.unit
             ),
-            None => println!("unexplained structure"),
+            None => say!("unexplained structure"),
         }
     }
     for open in &answer.undecidable {
-        println!(
+        say!(
             "undecidable: {} ({}); would decide: {}",
             open.causes.join(", "),
             open.because,

@@ -13,9 +13,9 @@ use crate::results::significant;
 pub(super) fn run(arguments: &IdentifyArguments) -> Result<Outcome, Failure> {
     let campaign = campaign::open(&arguments.package).map_err(Failure::input)?;
     let law = files::law(arguments.law.as_deref(), &campaign)?;
-    eprintln!("identifying {} from {} runs", law.id(), campaign.runs.len());
+    tell!("identifying {} from {} runs", law.id(), campaign.runs.len());
     let found = identify(&campaign, &Question::of(law)).map_err(Failure::input)?;
-    eprintln!("fitting the other laws");
+    tell!("fitting the other laws");
     let laws = compare_laws(&campaign, &found);
     let word = word(&campaign, &found, &laws);
     print(&found, &word);
@@ -164,7 +164,7 @@ fn ranked(laws: &[LawFit]) -> Vec<(&LawFit, f64)> {
 }
 
 fn print(found: &Identification, word: &[String]) {
-    println!("{}: law {}", found.campaign, found.law.id());
+    say!("{}: law {}", found.campaign, found.law.id());
     for estimate in &found.estimates {
         let interval = ci95(estimate).map_or_else(
             || "no interval".to_owned(),
@@ -175,7 +175,7 @@ fn print(found: &Identification, word: &[String]) {
         } else {
             estimate.verdict.id()
         };
-        println!(
+        say!(
             "  {:24} {:>12} {:10} {interval}  {note}",
             estimate.name,
             significant(estimate.value),
@@ -183,7 +183,7 @@ fn print(found: &Identification, word: &[String]) {
         );
     }
     for sentence in word {
-        println!("{sentence}");
+        say!("{sentence}");
     }
 }
 

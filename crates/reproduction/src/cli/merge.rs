@@ -36,7 +36,7 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Outcome, Failure> {
         engine.cache.keep(parcel).map_err(Failure::output)?;
     }
     Costs::gather(&arguments.folders, &kept).map_err(Failure::output)?;
-    println!(
+    say!(
         "merged    {} outputs from {} folders; each fits the plan",
         parcels.len(),
         arguments.folders.len()
@@ -52,7 +52,7 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Outcome, Failure> {
         return Ok(outcome);
     };
     let both = left::compare([&folder, like], ["merged", "one process"])?;
-    println!("like      {}", both.words());
+    say!("like      {}", both.words());
     Ok(if both.same() {
         outcome
     } else {

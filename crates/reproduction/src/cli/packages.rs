@@ -9,12 +9,12 @@ pub(super) fn check(arguments: &CheckArguments) -> Result<Outcome, Failure> {
     let campaign = campaign::open(&arguments.package).map_err(Failure::input)?;
     let samples: usize = campaign.runs.iter().map(|run| run.time_s.len()).sum();
     let conditions = campaign.conditions();
-    println!(
+    say!(
         "{}: {}",
         campaign.name,
         crate::evidence_of(campaign.provenance).word()
     );
-    println!(
+    say!(
         "{} runs, {samples} samples, {} conditions",
         campaign.runs.len(),
         conditions.len()
@@ -28,7 +28,7 @@ pub(super) fn check(arguments: &CheckArguments) -> Result<Outcome, Failure> {
         let load = first
             .normal_load_n
             .map_or_else(|| "no load".to_owned(), |load| format!("{load} N"));
-        println!(
+        say!(
             "  {:?} {:?}, {load}: {}",
             first.direction,
             first.protocol,
@@ -36,7 +36,7 @@ pub(super) fn check(arguments: &CheckArguments) -> Result<Outcome, Failure> {
         );
     }
     for missing in missing(&campaign) {
-        println!("not stated: {missing}");
+        say!("not stated: {missing}");
     }
     Ok(Outcome::Done)
 }
@@ -90,15 +90,15 @@ pub(super) fn init(arguments: &InitArguments) -> Result<Outcome, Failure> {
         Err(error) => return Err(Failure::input(error)),
     };
     for line in &made.read {
-        println!("read      {line}");
+        say!("read      {line}");
     }
     for line in &made.fill_in {
-        println!("fill in   {line}");
+        say!("fill in   {line}");
     }
     for line in &made.optional {
-        println!("optional  {line}");
+        say!("optional  {line}");
     }
-    println!(
+    say!(
         "package   {}",
         arguments.folder.join("datapackage.json").display()
     );

@@ -65,7 +65,7 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<Outcome, Failure> {
             })
         }
     };
-    println!("{}", text.map_err(Failure::output)?);
+    say!("{}", text.map_err(Failure::output)?);
     Ok(Outcome::Done)
 }
 

@@ -72,10 +72,10 @@ pub(super) fn run(arguments: &ReproduceArguments) -> Result<Outcome, Failure> {
     let document = compose::document(&results, surroundings);
     output::write(&out, &results, &document, &run)?;
     if let Some(words) = drift_words {
-        println!("{words}");
+        say!("{words}");
     }
     if let Some(twice) = &twice {
-        println!("twice     {}", twice.words());
+        say!("twice     {}", twice.words());
     }
     let shipped = basis.data.is_none() && basis.model.is_none();
     let disagreements = if shipped {
@@ -180,19 +180,19 @@ fn summary(
         .filter(|stage| stage.status() == "done")
         .count();
     let passed = controls.iter().filter(|control| control.passed()).count();
-    println!(
+    say!(
         "claims    {}; {}",
         counts.join(", "),
         compose::completeness_words(numbers)
     );
-    println!("stages    {done} of {} done", results.stages.len());
-    println!(
+    say!("stages    {done} of {} done", results.stages.len());
+    say!(
         "controls  {passed} of {} turned exactly the claims that they must",
         controls.len()
     );
     match disagreements {
-        [] => println!("pinned    all verdicts and values as pinned"),
-        some => println!("pinned    {} disagree: {}", some.len(), some.join("; ")),
+        [] => say!("pinned    all verdicts and values as pinned"),
+        some => say!("pinned    {} disagree: {}", some.len(), some.join("; ")),
     }
-    println!("report    {}", out.join("report.html").display());
+    say!("report    {}", out.join("report.html").display());
 }

@@ -32,7 +32,7 @@ pub(super) fn run(arguments: &RunTaskArguments) -> Result<Outcome, Failure> {
             )));
         }
         let source = if stage.kept { " (was there)" } else { "" };
-        println!(
+        say!(
             "{:14} {}: {}{source}",
             stage.id,
             stage.status(),

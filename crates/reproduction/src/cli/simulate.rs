@@ -36,14 +36,14 @@ pub(super) fn run(arguments: &SimulateArguments) -> Result<Outcome, Failure> {
     campaign.provenance = Provenance::Synthetic;
     campaign.title = format!("{} (as the model predicts it, synthetic)", campaign.title);
     campaign::write(&arguments.out, &campaign).map_err(Failure::output)?;
-    println!(
+    say!(
         "{} runs, {} samples, law {}",
         campaign.runs.len(),
         predicted.len(),
         law.id()
     );
     for entry in &file.extension {
-        println!("extended by {}", entry.cause);
+        say!("extended by {}", entry.cause);
     }
     if let Some([_, fastest]) = file.valid_speed_m_s {
         let top = campaign
@@ -52,12 +52,12 @@ pub(super) fn run(arguments: &SimulateArguments) -> Result<Outcome, Failure> {
             .flat_map(|run| &run.velocity_m_s)
             .fold(0.0_f64, |top, v| top.max(v.abs()));
         if top > fastest {
-            println!(
+            say!(
                 "beyond its data: the model was identified up to {fastest} m/s, the motions go to {top} m/s"
             );
         }
     }
-    println!(
+    say!(
         "package   {}",
         arguments.out.join("datapackage.json").display()
     );

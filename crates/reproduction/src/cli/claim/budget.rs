@@ -141,7 +141,7 @@ pub(super) fn run(arguments: &ClaimArguments, budget: &str) -> Result<Outcome, F
         .collect();
     let (planned, rest) = plan(&candidates, &costs, budget_s);
     let total: f64 = planned.iter().map(|one| one.seconds).sum();
-    println!(
+    say!(
         "plan       {} of {} claims in some {total:.0} s of {budget_s:.0} s; costs measured {}",
         planned.len(),
         candidates.len(),
@@ -154,9 +154,9 @@ pub(super) fn run(arguments: &ClaimArguments, budget: &str) -> Result<Outcome, F
         });
         words.collect::<Vec<_>>().join(", ")
     };
-    println!("order      {}", words(&planned));
+    say!("order      {}", words(&planned));
     if !rest.is_empty() {
-        println!("left out   {}", words(&rest));
+        say!("left out   {}", words(&rest));
     }
     carry_out(&inputs, &planned, &folder, budget_s)
 }
@@ -176,7 +176,7 @@ fn carry_out(
         };
         let left = budget_s - clock.elapsed().as_secs_f64();
         if one.seconds > left {
-            println!("{}  left out: {left:.0} s are left", claim.id);
+            say!("{}  left out: {left:.0} s are left", claim.id);
             continue;
         }
         let before = clock.elapsed().as_secs_f64();
@@ -185,7 +185,7 @@ fn carry_out(
             return Err(Failure::Output("the claim was not judged".to_owned()));
         };
         let took = clock.elapsed().as_secs_f64() - before;
-        println!(
+        say!(
             "{}  {:<12}  {took:>6.1} s  {}",
             claim.id,
             judged.verdict.word(),
@@ -193,13 +193,13 @@ fn carry_out(
         );
         let found = disagreements(&results);
         for disagreement in &found {
-            eprintln!("not as pinned: {disagreement}");
+            tell!("not as pinned: {disagreement}");
         }
         if !found.is_empty() || judged.verdict == Verdict::NotRun {
             outcome = Outcome::Disagrees;
         }
     }
-    println!(
+    say!(
         "spent      {:.1} s of {budget_s:.0} s",
         clock.elapsed().as_secs_f64()
     );
