@@ -1,0 +1,261 @@
+//! The linear-time recursions against the dense covariance and against one another.
+
+use super::super::restricted::Criterion;
+use super::super::scatter::{gain_columns, orthonormal_basis};
+use super::*;
+
+/// Without the plate's field the recursions are exact.
+#[test]
+fn filter_and_scatter_equal_the_dense_covariance() {
+    let context = ramps(60, 2);
+    for sizes in [SIZES, SMOOTH] {
+        let sizes = Sizes {
+            plate: 0.0,
+            ..sizes
+        };
+        let covariance = dense(&context, &sizes);
+        let factor = Cholesky::new(covariance).expect("a covariance");
+        let whitener = Whitener::new(&context, &sizes);
+        let r = draw(&context, &sizes, 1);
+        let exact = r.dot(&factor.solve(&r));
+        let ours = whitener.whiten(&r).norm_squared();
+        assert!((exact - ours).abs() < 1e-8 * exact, "{exact} {ours}");
+        let log_det: f64 = 2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>();
+        assert!((log_det - whitener.log_det()).abs() < 1e-7 * log_det.abs());
+    }
+}
+
+/// The covariance behind a filter of the channel: L V L' with the white noise beyond it.
+fn behind_filter(context: &Context, sizes: &Sizes) -> DMatrix<f64> {
+    let quiet = Sizes {
+        sensor: 0.0,
+        ..*sizes
+    };
+    let n = context.samples();
+    let mut covariance = dense(context, &quiet);
+    for _ in 0..2 {
+        for mut column in covariance.column_iter_mut() {
+            context.recorded(column.as_mut_slice());
+        }
+        covariance.transpose_mut();
+    }
+    covariance + DMatrix::identity(n, n) * sizes.sensor.powi(2)
+}
+
+/// The same runs behind a filter of 3.3 and of 0.2 samples.
+fn filtered(context: &Context) -> [Context; 2] {
+    [3.3, 0.2].map(|samples| {
+        let first = |i: usize| context.runs.iter().any(|run| run.start == i);
+        let steps = (0..context.samples()).map(|i| if first(i) { 0.0 } else { 1.0 });
+        Context {
+            channel: Arc::new(Channel {
+                lag: Lag::new(steps, samples),
+                ..Channel::default()
+            }),
+            ..context.clone()
+        }
+    })
+}
+
+/// A filter of the channel changes the noise as the dense covariance says: exactly without the plate's field.
+#[test]
+fn filtered_noise_equals_the_dense_covariance() {
+    let plain = ramps(60, 2);
+    let both = [SIZES, SMOOTH].map(|sizes| Sizes {
+        plate: 0.0,
+        ..sizes
+    });
+    for (context, sizes) in filtered(&plain)
+        .into_iter()
+        .flat_map(|c| both.map(|sizes| (c.clone(), sizes)))
+    {
+        let factor = Cholesky::new(behind_filter(&context, &sizes)).expect("a covariance");
+        let whitener = Whitener::new(&context, &sizes);
+        let r = draw(&plain, &sizes, 1);
+        let exact = r.dot(&factor.solve(&r));
+        let ours = whitener.whiten(&r).norm_squared();
+        assert!((exact - ours).abs() < 1e-8 * exact, "{exact} {ours}");
+        let log_det: f64 = 2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>();
+        assert!((log_det - whitener.log_det()).abs() < 1e-7 * log_det.abs());
+        let (x, y) = (draw(&plain, &sizes, 2), whitener.whiten(&r));
+        let other = whitener.whiten_transposed(&x).dot(&r);
+        assert!((x.dot(&y) - other).abs() < 1e-9 * other.abs());
+    }
+}
+
+/// The same runs on a cord, the last without; with and without a filter beside it.
+fn on_a_cord(context: &Context) -> Vec<Context> {
+    let spring = Spring {
+        mass_kg: 0.2,
+        compliance_m_n: 1e-3,
+        damping_n_s_m: 3.0,
+        friction_n_s_m: 0.5,
+    };
+    let ring = Ring::new(&spring, 0.02).expect("visible");
+    let held = &context.runs[..context.runs.len() - 1];
+    let rings: Vec<_> = held.iter().map(|run| (run.clone(), ring.clone())).collect();
+    let lags = filtered(context).map(|filtered| filtered.channel.lag.clone());
+    (std::iter::once(Lag::default()).chain(lags))
+        .map(|lag| Context {
+            channel: Arc::new(Channel {
+                lag,
+                rings: rings.clone(),
+            }),
+            ..context.clone()
+        })
+        .collect()
+}
+
+/// L^-1 V L^-1' + sensor^2 I, L being the dense matrix of what takes the channel out.
+fn behind_channel(context: &Context, sizes: &Sizes) -> DMatrix<f64> {
+    let n = context.samples();
+    let mut out = DMatrix::identity(n, n);
+    for mut column in out.column_iter_mut() {
+        context.undone(sizes).take_out(column.as_mut_slice());
+    }
+    let back = out.try_inverse().expect("it can be taken out");
+    let quiet = Sizes {
+        sensor: 0.0,
+        ..*sizes
+    };
+    &back * dense(context, &quiet) * back.transpose()
+        + DMatrix::identity(n, n) * sizes.sensor.powi(2)
+}
+
+/// On a cord the noise is what the dense covariance says, exactly without the plate's field, the scatter and a filter (behind both a
+/// resonance that changes with the speed and a filter the colour of the white noise is that of the last sample).
+#[test]
+fn noise_behind_a_cord_equals_the_dense_covariance() {
+    let plain = ramps(60, 2);
+    for context in on_a_cord(&plain) {
+        let tolerance = if context.channel.lag.is_empty() {
+            1e-7
+        } else {
+            2e-3
+        };
+        for sizes in [SIZES, SMOOTH] {
+            let sizes = Sizes {
+                plate: 0.0,
+                scatter: 0.0,
+                ..sizes
+            };
+            let factor = Cholesky::new(behind_channel(&context, &sizes)).expect("a covariance");
+            let whitener = Whitener::new(&context, &sizes);
+            let r = draw(&plain, &sizes, 1);
+            let exact = r.dot(&factor.solve(&r));
+            let ours = whitener.whiten(&r).norm_squared();
+            assert!((exact - ours).abs() < tolerance * exact, "{exact} {ours}");
+            let log_det: f64 = 2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>();
+            assert!((log_det - whitener.log_det()).abs() < tolerance * log_det.abs());
+            let (x, y) = (draw(&plain, &sizes, 2), whitener.whiten(&r));
+            let other = whitener.whiten_transposed(&x).dot(&r);
+            assert!((x.dot(&y) - other).abs() < 1e-9 * other.abs());
+        }
+    }
+}
+
+/// With the plate's field too, as far as its grid resolves it.
+#[test]
+fn plate_field_behind_a_cord_agrees_with_the_dense_covariance() {
+    let sizes = Sizes {
+        scatter: 0.0,
+        ..SIZES
+    };
+    for context in on_a_cord(&ramps(120, 2)) {
+        let factor = Cholesky::new(behind_channel(&context, &sizes)).expect("a covariance");
+        let whitener = Whitener::new(&context, &sizes);
+        for wave in [0.0, 30.0, 60.0] {
+            let smooth = DVector::from_fn(context.samples(), |i, _| {
+                context.scale[i] * (wave * context.place[i]).cos()
+            });
+            let ours = whitener.whiten(&smooth).norm_squared();
+            let ratio = ours / smooth.dot(&factor.solve(&smooth));
+            assert!((ratio - 1.0).abs() < 0.02, "wave {wave}: ratio {ratio}");
+        }
+    }
+}
+
+/// With the plate's field too, as far as its grid resolves it.
+#[test]
+fn filtered_plate_field_agrees_with_the_dense_covariance() {
+    for context in filtered(&ramps(120, 2)) {
+        let factor = Cholesky::new(behind_filter(&context, &SIZES)).expect("a covariance");
+        let whitener = Whitener::new(&context, &SIZES);
+        for wave in [0.0, 30.0, 60.0] {
+            let mut smooth = DVector::from_fn(context.samples(), |i, _| {
+                context.scale[i] * (wave * context.place[i]).cos()
+            });
+            context.recorded(smooth.as_mut_slice());
+            let ours = whitener.whiten(&smooth).norm_squared();
+            let ratio = ours / smooth.dot(&factor.solve(&smooth));
+            assert!((ratio - 1.0).abs() < 0.02, "wave {wave}: ratio {ratio}");
+        }
+    }
+}
+
+/// With it they agree within the grid's resolution: forms of smooth columns to 2 %; the determinant to 0.08 a sample,
+/// because what the field does between nodes (a tenth of its variance) counts as private to each run.
+#[test]
+fn plate_field_agrees_with_the_dense_covariance() {
+    let context = ramps(120, 2);
+    for sizes in [SIZES, SMOOTH, APART] {
+        let factor = Cholesky::new(dense(&context, &sizes)).expect("a covariance");
+        let whitener = Whitener::new(&context, &sizes);
+        let waves = DMatrix::from_fn(context.samples(), 3, |i, c| {
+            context.scale[i] * (30.0 * c as f64 * context.place[i]).cos()
+        });
+        let white = whitener.whiten_columns(&waves);
+        let ours = white.tr_mul(&white);
+        let exact = waves.tr_mul(&factor.solve(&waves));
+        for c in 0..3 {
+            let ratio = ours[(c, c)] / exact[(c, c)];
+            assert!((ratio - 1.0).abs() < 0.02, "form {c}: ratio {ratio}");
+        }
+        let log_det: f64 = 2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>();
+        let gap = (log_det - whitener.log_det()).abs() / context.samples() as f64;
+        assert!(gap < 0.08, "log det differs by {gap} a sample");
+    }
+}
+
+/// The two linear-time paths (rotations; banded information matrix) are the same covariance.
+#[test]
+fn rotations_and_information_agree() {
+    for sizes in [SIZES, SMOOTH, APART] {
+        agree(&Sizes {
+            scatter: 0.0,
+            ..sizes
+        });
+    }
+}
+
+fn agree(sizes: &Sizes) {
+    let context = ramps(150, 3);
+    let r = draw(&context, sizes, 2);
+    let mean = gain_columns(&context);
+    let value = Criterion::new(&context, mean.clone(), &r).value(sizes, sizes.node_spacing());
+    let whitener = Whitener::new(&context, sizes);
+    let basis = orthonormal_basis(&mean);
+    let x = whitener.whiten_columns(&basis);
+    let y = whitener.whiten(&(&r - &basis * basis.tr_mul(&r)));
+    let gram = Cholesky::new(x.tr_mul(&x)).expect("full rank");
+    let cross = x.tr_mul(&y);
+    let other = whitener.log_det()
+        + 2.0 * gram.l().diagonal().iter().map(|v| v.ln()).sum::<f64>()
+        + y.norm_squared()
+        - cross.dot(&gram.solve(&cross));
+    assert!((value - other).abs() < 1e-2, "{value} {other}");
+}
+
+/// (W a)'b = a'(W'b).
+#[test]
+fn transposed_whitening_is_the_adjoint() {
+    let context = ramps(80, 2);
+    for sizes in [SIZES, SMOOTH] {
+        let whitener = Whitener::new(&context, &sizes);
+        let (a, b) = (draw(&context, &sizes, 6), draw(&context, &sizes, 7));
+        let left = whitener.whiten(&a).dot(&b);
+        let right = a.dot(&whitener.whiten_transposed(&b));
+        let size = whitener.whiten(&a).norm() * b.norm();
+        assert!((left - right).abs() < 1e-10 * size, "{left} {right}");
+    }
+}
