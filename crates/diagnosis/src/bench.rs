@@ -52,12 +52,6 @@ pub(crate) struct Fitted {
     pub(crate) friction: OnceLock<Vec<f64>>,
 }
 
-/// Where a search for the noise's sizes begins, and whether it asks for roughness of another kind.
-struct Further {
-    search: Search,
-    smooth: bool,
-}
-
 impl Fitted {
     /// The part of the prediction that follows friction, stacked over all runs; computed when it is first asked for.
     pub(crate) fn friction(&self, bench: &Bench<'_>) -> &[f64] {
@@ -430,11 +424,7 @@ impl<'a> Bench<'a> {
         within: &DMatrix<f64>,
         search: Search,
     ) -> NoiseModel {
-        let further = Further {
-            search,
-            smooth: true,
-        };
-        self.noise_with(subset, fitted, [jacobian, within], further)
+        self.noise_with(subset, fitted, jacobian, within, (search, true))
     }
 
     /// The same from given sizes, with one length for the roughness of runs and plate and no smoothing but that which it has.
@@ -450,20 +440,18 @@ impl<'a> Bench<'a> {
             plate_ratio: 1.0,
             ..sizes
         });
-        let further = Further {
-            search,
-            smooth: false,
-        };
-        self.noise_with(subset, fitted, [jacobian, within], further)
+        self.noise_with(subset, fitted, jacobian, within, (search, false))
             .sizes
     }
 
+    /// `search`: where it begins, and whether it asks for roughness of another kind.
     fn noise_with(
         &self,
         subset: &Subset,
         fitted: &Fitted,
-        [jacobian, within]: [&DMatrix<f64>; 2],
-        further: Further,
+        jacobian: &DMatrix<f64>,
+        within: &DMatrix<f64>,
+        (search, smooth): (Search, bool),
     ) -> NoiseModel {
         let context = subset.context_of(self, fitted);
         let residual =
@@ -476,9 +464,9 @@ impl<'a> Bench<'a> {
             &EstimateOptions {
                 stated_sensor: self.stated_sensor,
                 repeats: self.repeats,
-                search: further.search,
+                search,
                 uncertainty: false,
-                smooth: further.smooth,
+                smooth,
             },
         )
     }

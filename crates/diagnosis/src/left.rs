@@ -28,11 +28,7 @@ pub(crate) fn lack(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Lack {
     let families = general::families(&samples, &scale, recorded.as_slice(), stand.sizes.length);
     let white: Vec<DMatrix<f64>> = families
         .iter()
-        .map(|f| {
-            let white = stand.whitener.whiten_columns(&f.columns);
-            let n = white.nrows();
-            white.resize_vertically(n + stand.prior_rows, 0.0)
-        })
+        .map(|f| stand.whiten_own(&f.columns))
         .collect();
     let coarse = stand.beyond_rounding(bench, subset);
     let ground = coarse.as_ref().unwrap_or(&stand.ground);

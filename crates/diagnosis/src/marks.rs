@@ -124,9 +124,7 @@ fn scored(
     edges: &[(f64, f64)],
     columns: &DMatrix<f64>,
 ) -> Vec<Stretch> {
-    let white = stand.whitener.whiten_columns(columns);
-    let rows = white.nrows() + stand.prior_rows;
-    let white = white.resize_vertically(rows, 0.0);
+    let white = stand.whiten_own(columns);
     let each = edges.iter().enumerate().filter_map(|(j, &(from, to))| {
         let on_it = columns.column(j).iter().filter(|c| **c != 0.0).count();
         if on_it < FEWEST || columns.nrows() - on_it < FEWEST {

@@ -67,9 +67,7 @@ impl Peaks {
             .whitener
             .whiten_transposed(&free.rows(0, subset.len()).into_owned());
         let information = |columns: &DMatrix<f64>| -> Vec<Information> {
-            let white = stand.whitener.whiten_columns(columns);
-            let n = white.nrows();
-            let white = white.resize_vertically(n + stand.prior_rows, 0.0);
+            let white = stand.whiten_own(columns);
             let ground = &stand.ground;
             let free = ground.descatter(&ground.project(&white), scatter);
             let pairs = (0..free.ncols() / 2).map(|k| (free.column(2 * k), free.column(2 * k + 1)));

@@ -1,6 +1,5 @@
 //! When names are taken back: a refusal beats a wrong name.
 
-use nalgebra::DMatrix;
 use rig::{Reach, Station};
 
 use crate::answer::Place;
@@ -12,6 +11,7 @@ use crate::selection::{
     ALPHA_GENERAL, ALPHA_NAME, MOST_EFFECTS, SHAPE_TOLERANCE, Selected, Single,
 };
 use crate::stand::Stand;
+use crate::subset::Subset;
 use crate::uniform::is_uniform;
 
 /// Where something is left that nothing explains, one cause stays named only if it explains this share of all of it.
@@ -133,7 +133,7 @@ fn refuse_beside_step(bench: &Bench<'_>, selected: &mut Selected, margin: f64) {
         return;
     }
     let law = &selected.baseline;
-    let Some(mut step) = strongest_step(bench, selected, law, None) else {
+    let Some(mut step) = strongest_step(bench, &selected.subset, law, None) else {
         return;
     };
     let of_the_plate = |&cause: &usize| bench.catalogue[cause].station() == Station::Surface;
@@ -170,11 +170,10 @@ const WITHIN_A_CELL: i32 = 8;
 /// The step that explains most beside a stand of the law; `about`: only near this place, finely.
 fn strongest_step(
     bench: &Bench<'_>,
-    selected: &Selected,
+    subset: &Subset,
     law: &Stand,
     about: Option<&Place>,
 ) -> Option<Step> {
-    let subset = &selected.subset;
     let samples = subset.samples(bench);
     let scale = subset.gather(law.fitted.friction(bench));
     let steps = match about {
@@ -192,9 +191,7 @@ fn strongest_step(
             )
         }
     };
-    let white = law.whitener.whiten_columns(&steps.columns);
-    let rows = white.nrows() + law.prior_rows;
-    let white = white.resize_vertically(rows, 0.0);
+    let white = law.whiten_own(&steps.columns);
     let strongest = (0..white.ncols())
         .filter_map(|j| {
             let direction = law.ground.direction(&white.columns(j, 1).into_owned())?;
@@ -214,11 +211,10 @@ fn beside_its_own_noise(bench: &Bench<'_>, selected: &Selected, step: &Step) -> 
     let (law, subset) = (&selected.baseline, &selected.subset);
     let at = 0.5 * (step.place.from + step.place.to);
     let friction = law.fitted.friction(bench);
-    let beyond = |i: usize| f64::from(u8::from(bench.samples.place[i] > at));
-    let column = DMatrix::from_fn(friction.len(), 1, |i, _| beyond(i) * friction[i]);
+    let column = general::steps_at(&bench.samples, friction, &[at], 0.0).columns;
     let sizes = bench.noise_of_one_length(subset, &law.fitted, &law.jacobian, &column, law.sizes);
     let own = Stand::new(bench, subset, law.fitted.clone(), sizes);
-    let closer = strongest_step(bench, selected, &own, Some(&step.place))?;
+    let closer = strongest_step(bench, subset, &own, Some(&step.place))?;
     let tried = (general::STEPS * WITHIN_A_CELL as usize) as f64;
     Some(Step {
         explained: law.deviance - own.deviance + closer.explained - 2.0 * tried.ln(),

@@ -201,9 +201,12 @@ impl Stand {
 
     /// Whitens columns (all samples), with empty rows for a prior.
     pub(crate) fn whiten(&self, subset: &Subset, columns: &DMatrix<f64>) -> DMatrix<f64> {
-        let white = self
-            .whitener
-            .whiten_columns(&subset.gather_columns(columns));
+        self.whiten_own(&subset.gather_columns(columns))
+    }
+
+    /// The same of columns that hold the subset's samples only.
+    pub(crate) fn whiten_own(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let white = self.whitener.whiten_columns(columns);
         let n = white.nrows();
         white.resize_vertically(n + self.prior_rows, 0.0)
     }

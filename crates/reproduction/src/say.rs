@@ -11,7 +11,7 @@ macro_rules! say {
 }
 
 /// A line to standard error.
-macro_rules! tell {
+macro_rules! say_aside {
     ($($line:tt)*) => { $crate::say::line(&mut ::std::io::stderr().lock(), ::std::format_args!($($line)*)) };
 }
 

@@ -44,7 +44,7 @@ impl Watch {
         match &self.bars {
             // Nobody is there to be told that the terminal went away.
             Some(bars) => drop(bars.println(text)),
-            None => tell!("{text}"),
+            None => say_aside!("{text}"),
         }
     }
 
@@ -74,7 +74,7 @@ impl Watch {
         let running = self.running.lock().unwrap_or_else(PoisonError::into_inner);
         match running.get(id) {
             Some((_, Some(bar))) => bar.set_message(text.to_owned()),
-            _ => tell!("         {id:14} {text}"),
+            _ => say_aside!("         {id:14} {text}"),
         }
     }
 

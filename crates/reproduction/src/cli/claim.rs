@@ -52,7 +52,7 @@ fn one(arguments: &ClaimArguments, id: &str) -> Result<Outcome, Failure> {
     say!("cost       {}", cost(&claim, &results, &costs));
     let disagreements = disagreements(&only(&results, &claim));
     for disagreement in &disagreements {
-        tell!("not as pinned: {disagreement}");
+        say_aside!("not as pinned: {disagreement}");
     }
     let not_run = judged.verdict == Verdict::NotRun;
     Ok(if disagreements.is_empty() && !not_run {

@@ -41,7 +41,7 @@ pub(super) fn run(count: usize, seed: u64) -> Result<(), Failure> {
         for one in &mut series {
             one.go_on(first..last)?;
         }
-        tell!("{last} of {count} campaigns of each");
+        say_aside!("{last} of {count} campaigns of each");
     }
     let mut tables = serde_json::Map::new();
     for one in &series {

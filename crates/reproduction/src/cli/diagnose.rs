@@ -27,7 +27,7 @@ pub(super) fn run(arguments: &DiagnoseArguments) -> Result<Outcome, Failure> {
         files::json(arguments.json.as_deref(), &design)?;
         return Ok(Outcome::Done);
     }
-    tell!("diagnosing {} runs", campaign.runs.len());
+    say_aside!("diagnosing {} runs", campaign.runs.len());
     let diagnosed = diagnosis::diagnose_fully(&campaign, &options).map_err(Failure::input)?;
     let answer = &diagnosed.answer;
     print(answer);

@@ -13,9 +13,9 @@ use crate::results::significant;
 pub(super) fn run(arguments: &IdentifyArguments) -> Result<Outcome, Failure> {
     let campaign = campaign::open(&arguments.package).map_err(Failure::input)?;
     let law = files::law(arguments.law.as_deref(), &campaign)?;
-    tell!("identifying {} from {} runs", law.id(), campaign.runs.len());
+    say_aside!("identifying {} from {} runs", law.id(), campaign.runs.len());
     let found = identify(&campaign, &Question::of(law)).map_err(Failure::input)?;
-    tell!("fitting the other laws");
+    say_aside!("fitting the other laws");
     let laws = compare_laws(&campaign, &found);
     let word = word(&campaign, &found, &laws);
     print(&found, &word);

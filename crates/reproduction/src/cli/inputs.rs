@@ -112,7 +112,7 @@ impl Inputs {
 /// Keeps the times of the stages that were computed. A run whose times cannot be kept is a run all the same.
 pub(super) fn keep_times(kept: &Path, finished: &[Finished]) {
     if let Err(problem) = Costs::record(kept, finished) {
-        tell!("the times of the stages cannot be kept: {problem}");
+        say_aside!("the times of the stages cannot be kept: {problem}");
     }
 }
 

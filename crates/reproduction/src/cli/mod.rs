@@ -286,7 +286,7 @@ pub fn main() -> ExitCode {
             .num_threads(threads.get())
             .build_global()
     {
-        tell!("error: {error}");
+        say_aside!("error: {error}");
         return ExitCode::from(3);
     }
     let outcome = match cli.command {
@@ -306,11 +306,11 @@ pub fn main() -> ExitCode {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::Disagrees) => ExitCode::from(1),
         Err(Failure::Input(message)) => {
-            tell!("error: {message}");
+            say_aside!("error: {message}");
             ExitCode::from(2)
         }
         Err(Failure::Output(message)) => {
-            tell!("error: {message}");
+            say_aside!("error: {message}");
             ExitCode::from(3)
         }
     }

@@ -43,7 +43,7 @@ impl Folder {
                 .map_err(Failure::output)?;
         }
         for path in sweep.end()? {
-            tell!(
+            say_aside!(
                 "{}: an earlier run wrote it and somebody altered it since; this run does not write it and leaves it there",
                 out.join(path).display()
             );

@@ -193,7 +193,7 @@ fn carry_out(
         );
         let found = disagreements(&results);
         for disagreement in &found {
-            tell!("not as pinned: {disagreement}");
+            say_aside!("not as pinned: {disagreement}");
         }
         if !found.is_empty() || judged.verdict == Verdict::NotRun {
             outcome = Outcome::Disagrees;
