@@ -283,11 +283,19 @@ impl Ground {
 
     /// The scatter of largest restricted likelihood beside the fitted model.
     pub(crate) fn likeliest_scatter(&self) -> f64 {
+        self.evidence().estimate()
+    }
+
+    /// Scatters with their weights given the fitted model.
+    pub(crate) fn scatter_posterior(&self) -> Vec<(f64, f64)> {
+        self.evidence().posterior()
+    }
+
+    fn evidence(&self) -> ScatterEvidence {
         ScatterEvidence {
             lambda: self.lambda.clone(),
             score: self.turned.clone(),
         }
-        .estimate()
     }
 
     /// V(s)^-1 y.

@@ -81,6 +81,8 @@ pub(crate) struct Stand {
     /// Whitened Jacobian with the prior's rows.
     pub(crate) white_jacobian: DMatrix<f64>,
     white_gains: DMatrix<f64>,
+    /// Whitened residual with the prior's rows.
+    white: DVector<f64>,
     /// Rows that a prior adds.
     pub(crate) prior_rows: usize,
     /// -2 log likelihood, the scatter between runs at its likeliest.
@@ -128,6 +130,7 @@ impl Stand {
             ground,
             white_jacobian,
             white_gains,
+            white,
             prior_rows,
             deviance,
         }
@@ -171,6 +174,18 @@ impl Stand {
         Some(Ground::new(&self.white_jacobian, &self.white_gains, &white))
     }
 
+    /// The gains of the runs beside the fit, the model's directions left in them.
+    pub(crate) fn between_runs(&self) -> BetweenRuns {
+        let eigen = self.white_gains.tr_mul(&self.white_gains).symmetric_eigen();
+        let gains = &self.white_gains * &eigen.eigenvectors;
+        BetweenRuns {
+            turned: gains.tr_mul(&self.white).iter().copied().collect(),
+            lambda: eigen.eigenvalues.iter().copied().collect(),
+            residual: self.white.clone(),
+            gains,
+        }
+    }
+
     /// V(s)^-1/2 W J: the whitened Jacobian with the scatter between runs whitened too.
     pub(crate) fn white_descattered(&self, scatter: f64) -> DMatrix<f64> {
         let eigen = self.white_gains.tr_mul(&self.white_gains).symmetric_eigen();
@@ -210,6 +225,14 @@ impl Stand {
         let n = white.nrows();
         white.resize_vertically(n + self.prior_rows, 0.0)
     }
+}
+
+/// Gains of runs and residual in whitened coordinates: W H E with (W H)'(W H) = E diag(lambda) E', and t = E'(W H)'W r.
+pub(crate) struct BetweenRuns {
+    pub(crate) gains: DMatrix<f64>,
+    pub(crate) lambda: Vec<f64>,
+    pub(crate) turned: Vec<f64>,
+    pub(crate) residual: DVector<f64>,
 }
 
 /// Gains of runs as columns; for very many runs neighbours share one.
