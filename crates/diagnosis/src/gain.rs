@@ -46,6 +46,8 @@ pub(crate) struct Fold {
     /// Predictions for all recorded samples: law alone, and with what the fold selected.
     law: Vec<f64>,
     pub(crate) extended: Vec<f64>,
+    /// The same with what the whole campaign named in the place of what the fold took in its stead.
+    named: Vec<f64>,
     /// The law's prediction on the record that was searched, beside which the placebos stand.
     searched: Vec<f64>,
     /// For each named cause: the extended model without it, where the fold named it.
@@ -61,8 +63,14 @@ pub(crate) struct Gains {
     pub(crate) held_out_law: f64,
     pub(crate) joint: Option<Gain>,
     pub(crate) each: Vec<Option<Gain>>,
+    /// Squared error that the named causes, fitted in each fold that found them or others in their stead, take off the unseen runs, in
+    /// units of noise and doubt (D11); `None` where these are not known.
+    seen: Option<f64>,
 }
 
+/// A drop (D11) that no noise makes: of a spurious extension whose predictions lie m from the law's it is normal about -m with variance
+/// 4 m, so that a drop of D lies sqrt(D) standard deviations out or more, whatever m is.
+const NO_NOISE: f64 = 25.0;
 /// Share of the explainable error that a name must possibly explain on unseen runs.
 const POSSIBLE: f64 = 0.5;
 /// Share of the scrambled extensions that it must beat there, and the share below which it is worse than they are.
@@ -82,8 +90,11 @@ impl Gains {
         if gain.held_out_rmse_after == gain.held_out_rmse_before {
             return Some("is not found again by the others");
         }
-        let none = gain.ci95.is_some_and(|[least, _]| least <= 0.0);
-        none.then_some("gains nothing that is seen")
+        // An effect that only one of a few held-out runs shows has an interval over runs that holds zero, however plain it is there.
+        let plain = self.seen.is_some_and(|drop| drop > NO_NOISE);
+        let lost = self.seen.is_some_and(|drop| drop <= 0.0);
+        let none = gain.ci95.is_some_and(|[least, _]| least <= 0.0) || lost;
+        (none && !plain).then_some("gains nothing that is seen")
     }
 
     /// What is left of them where the names were taken back.
@@ -192,6 +203,13 @@ pub(crate) fn judge(
         weighed,
     };
     let joint = (!named.is_empty()).then(|| judged.gain(&law, &extended));
+    let weighs = !named.is_empty() && judged.weighed.is_some();
+    let seen = weighs.then(|| {
+        let of = |prediction: &dyn Fn(&Fold) -> &[f64]| {
+            Errors::pool(whole.bench, judged.weighed.as_ref(), &done, prediction).judged()
+        };
+        of(&|f| &f.law) - of(&|f| &f.named)
+    });
     let each = (0..named.len())
         .map(|k| {
             let lacking = Errors::pool(whole.bench, judged.weighed.as_ref(), &done, &|f| {
@@ -204,6 +222,7 @@ pub(crate) fn judge(
         held_out_law: law.rmse(),
         joint,
         each,
+        seen,
     })
 }
 
@@ -226,6 +245,7 @@ fn fold(
         return Some(Fold {
             held: held.to_vec(),
             extended: prediction.clone(),
+            named: prediction.clone(),
             law: prediction,
             searched: law.prediction,
             lacking: Vec::new(),
@@ -281,11 +301,46 @@ fn fold(
         held: held.to_vec(),
         law: whole.prediction(&base.fitted),
         extended: whole.prediction(full),
+        named: instead(bench, whole, &own, warm, named),
         searched: base.fitted.prediction.clone(),
         lacking,
         placebos,
         doubt: doubt(&own.stand),
     })
+}
+
+/// The fold's extension, or, where the fold took something else in the stead of all that the whole campaign named, the fold's fit of that.
+fn instead(
+    bench: &Bench<'_>,
+    whole: &Whole<'_>,
+    own: &Selected,
+    warm: &Warm,
+    named: &[Vec<usize>],
+) -> Vec<f64> {
+    let full = &own.stand.fitted;
+    let found = |cause: &Vec<usize>| full.effects.iter().any(|e| cause.contains(e));
+    let refitted = || {
+        let effects: Vec<usize> = warm.causes.iter().map(|(cause, _)| *cause).collect();
+        let states = &full.parameters[full.model.initial_states()];
+        let start: Vec<f64> = warm
+            .extended_law
+            .iter()
+            .copied()
+            .chain(warm.causes.iter().flat_map(|(_, own)| own.iter().copied()))
+            .chain(states.iter().copied())
+            .collect();
+        let subset = &own.subset;
+        let whitener = own
+            .stand
+            .whitener
+            .with_scatter(&subset.context_of(bench, full), own.stand.sizes.scatter);
+        bench.fit(subset, &effects, &start, &whitener, None, 20)
+    };
+    let other = !full.effects.is_empty() && !named.iter().any(found);
+    match other.then(refitted).flatten() {
+        Some(fit) => whole.prediction(&fit),
+        None => whole.prediction(full),
+    }
 }
 
 /// J L with L L' = (J' M'M J)^-1: by what a fit's prediction of each sample may be wrong, direction by direction.
