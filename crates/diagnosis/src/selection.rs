@@ -280,7 +280,12 @@ fn select_beside(
         let (mut next, _) = looked_up(bench, &mut subset, next, depth)?;
         let periodic = bench.catalogue[next.fitted.effects[last]].is_periodic();
         if round > 0 || periodic {
+            let before = next.deviance;
             next = look_back(bench, &subset, next, &singles, &mut entry, threshold, depth)?;
+            // Beside a period that was found anew the law may lie in another valley.
+            if round == 0 && depth == Depth::Full && next.deviance < before - IDLE {
+                next = deepest(bench, &subset, next)?;
+            }
             let (later, moved) = looked_up(bench, &mut subset, next, depth)?;
             next = later;
             if moved {
