@@ -56,7 +56,7 @@ mod valleys;
 mod weighed;
 mod whole;
 
-pub use answer::{Design, Diagnosis, Finding, Status};
+pub use answer::{Design, Diagnosis, Estimate, Finding, Gain, LawFit, Status};
 pub use curves::Curves;
 pub use design::design;
 pub use diagnose::{Diagnosed, DiagnosisError, Options, diagnose, diagnose_fully};
