@@ -202,6 +202,7 @@ fn second_forms_are_named_like_the_first() {
         second("dwell-ageing", Protocol::Rich, 3),
         second("backlash", Protocol::PaperAlternating, 4),
         second("velocity-strengthening", Protocol::Rich, 5),
+        second("thermal-softening", Protocol::PaperBlocked, 6),
     ];
     assert_none(&complaints(&trials, &[Verdict::Right]));
 }

@@ -34,30 +34,26 @@ pub(crate) fn look_back(
     // One other cause alone: fitted singles under the pair's noise. A second cause must be worth its look-elsewhere.
     let worth = -2.0 * threshold;
     if count == 2 {
-        let mut best: Option<(f64, &Single)> = None;
-        for single in singles {
-            let context = subset.context_of(bench, &pair.fitted);
-            let whitener = pair.whitener.with_scatter(&context, pair.sizes.scatter);
-            let Some(fit) = bench.fit(
-                subset,
-                &single.fitted.effects,
-                &single.fitted.parameters,
-                &whitener,
-                None,
-                15,
-            ) else {
+        let fitted = singles
+            .iter()
+            .map(|s| (s.cause, s.fitted.parameters.clone()));
+        let context = subset.context_of(bench, &pair.fitted);
+        let whitener = pair.whitener.with_scatter(&context, pair.sizes.scatter);
+        let mut best: Option<(f64, Fitted)> = None;
+        for (cause, start) in fitted.chain(other_forms_alone(bench, &pair.fitted)) {
+            let Some(fit) = bench.fit(subset, &[cause], &start, &whitener, None, 15) else {
                 continue;
             };
             let deviance = pair.deviance_of(bench, subset, &fit);
             if best.as_ref().is_none_or(|b| deviance < b.0) {
-                best = Some((deviance, single));
+                best = Some((deviance, fit));
             }
         }
-        if let Some((deviance, single)) = best
+        if let Some((deviance, fit)) = best
             && deviance < pair.deviance + worth
         {
             let found = Scan::empty(bench, Some(pair.sizes));
-            let alone = settle(bench, subset, &single.fitted, &found)?;
+            let alone = settle(bench, subset, &fit, &found)?;
             if alone.deviance < pair.deviance + worth + PROMISED {
                 entry.truncate(1);
                 return Some(alone);
@@ -73,6 +69,26 @@ pub(crate) fn look_back(
         Depth::Fold => pair,
     };
     drop_idle(bench, subset, best, entry, worth)
+}
+
+/// Every other form of each cause of a set with a start for it alone: the set's law and the cause's own parameters, where it has as many.
+/// A plain form may need a second cause to do what another form does without.
+fn other_forms_alone(bench: &Bench<'_>, set: &Fitted) -> Vec<(usize, Vec<f64>)> {
+    let mut alone = Vec::new();
+    for (k, &named) in set.effects.iter().enumerate() {
+        let span = set.model.span(k);
+        let alike = |form: &usize| {
+            let (other, own) = (&bench.catalogue[*form], &bench.catalogue[named]);
+            *form != named && other.id() == own.id() && other.parameters().len() == span.len()
+        };
+        for form in (0..bench.catalogue.len()).filter(alike) {
+            let mut start = set.parameters[..set.model.law_parameters()].to_vec();
+            start.extend_from_slice(&set.parameters[span.clone()]);
+            start.extend_from_slice(&set.parameters[set.model.initial_states()]);
+            alone.push((form, start));
+        }
+    }
+    alone
 }
 
 /// Each period of a set looked for again where the law stands beside it. A strong ripple bends the law that is fitted without it, and what

@@ -10,7 +10,7 @@ use rig::{Cause, Experiment, Model, Requirement, Station};
 use rigs::{BRISTLE, LUGRE, rich};
 
 /// Ids, stations and reported parameters, as other programs know them.
-const VOCABULARY: [(&str, &str, &[&str]); 36] = [
+const VOCABULARY: [(&str, &str, &[&str]); 37] = [
     (
         "stage-ripple",
         "stage",
@@ -37,6 +37,11 @@ const VOCABULARY: [(&str, &str, &[&str]); 36] = [
         "thermal-softening",
         "history",
         &["strength_per_j", "time_constant_s"],
+    ),
+    (
+        "thermal-softening",
+        "history",
+        &["strength_per_j", "time_constant_s", "levels_off"],
     ),
     (
         "surface-texture",

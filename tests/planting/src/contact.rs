@@ -223,7 +223,16 @@ impl Contact<'_> {
                         Course::Power(power) => 1.0 + amplitude * travelled.max(0.0).powf(power),
                     }
                 }
-                Effect::ThermalSoftening { strength_per_j, .. } => 1.0 - strength_per_j * heat_j,
+                Effect::ThermalSoftening {
+                    strength_per_j,
+                    levels_off: false,
+                    ..
+                } => 1.0 - strength_per_j * heat_j,
+                Effect::ThermalSoftening {
+                    strength_per_j,
+                    levels_off: true,
+                    ..
+                } => 1.0 / (1.0 + strength_per_j * heat_j),
                 Effect::SurfaceTexture {
                     amplitude,
                     wavelength_m,

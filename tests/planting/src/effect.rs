@@ -95,6 +95,8 @@ pub enum Effect {
     ThermalSoftening {
         strength_per_j: f64,
         time_constant_s: f64,
+        /// Falls as 1/(1 + k E) instead of 1 - k E.
+        levels_off: bool,
     },
     /// Friction ripples along the plate.
     SurfaceTexture {
@@ -247,6 +249,7 @@ impl Effect {
             Self::DwellAgeing { fades_m, .. } => fades_m.is_none(),
             Self::CordCompliance { hardening_m, .. } => hardening_m.is_none(),
             Self::Wear { course, .. } => *course == Course::Saturating,
+            Self::ThermalSoftening { levels_off, .. } => !levels_off,
             Self::SensorLag { filter, .. } | Self::VelocityLag { filter, .. } => {
                 *filter == Filter::FirstOrder
             }
@@ -298,6 +301,7 @@ impl Effect {
             Self::ThermalSoftening {
                 strength_per_j,
                 time_constant_s,
+                ..
             } => {
                 vec![
                     ("strength_per_j", strength_per_j),

@@ -48,10 +48,11 @@ pub const ALIENS: [&str; 6] = [
 ];
 
 /// Causes that can be planted in a second shape.
-pub const SECOND_SHAPES: [&str; 10] = [
+pub const SECOND_SHAPES: [&str; 11] = [
     "stage-ripple",
     "cord-compliance",
     "wear",
+    "thermal-softening",
     "surface-texture",
     "load-oscillation",
     "sensor-lag",
@@ -147,6 +148,7 @@ pub fn draw(
         "thermal-softening" => Effect::ThermalSoftening {
             strength_per_j: 0.08 * size / (scales.force_n * scales.travel_m),
             time_constant_s: duration_s * between(3.0, 15.0),
+            levels_off: second,
         },
         "surface-texture" => Effect::SurfaceTexture {
             amplitude: 0.02 * size,

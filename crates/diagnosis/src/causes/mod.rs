@@ -27,7 +27,7 @@ catalogue! {
     lean_angle::LeanAngle;
     bristle_set::BristleSet;
     wear::Wear, WearByDecades;
-    thermal_softening::ThermalSoftening;
+    thermal_softening::ThermalSoftening, LevellingSoftening;
     surface_texture::SurfaceTexture;
     surface_gradient::SurfaceGradient;
     load_dependence::LoadDependence;

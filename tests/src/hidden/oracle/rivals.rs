@@ -145,11 +145,13 @@ impl Oracle {
             Effect::ThermalSoftening {
                 strength_per_j,
                 time_constant_s,
+                levels_off,
             } => spread
                 .iter()
                 .map(|factor| Effect::ThermalSoftening {
                     strength_per_j,
                     time_constant_s: time_constant_s * factor,
+                    levels_off,
                 })
                 .collect(),
             Effect::BristleSet { angle_rad, .. } => [0.3, 1.0, 2.0, 4.0]
