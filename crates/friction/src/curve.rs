@@ -53,8 +53,17 @@ impl<D: Scalar> StribeckCurve<D> {
             return (self.kinetic, D::constant(0.0));
         };
         let at_rest = rest_gain.map_or(self.at_rest, |gain| self.at_rest * gain);
-        let x = u / scale;
-        // X = x^p and dX/dx
+        let Some((power, slope)) = self.power(u / scale) else {
+            return (self.kinetic, D::constant(0.0));
+        };
+        // g = k + (s - k) exp(-X)
+        let fade = (at_rest - self.kinetic) * (-power).exp();
+        (self.kinetic + fade, -fade * slope / scale)
+    }
+
+    /// X = x^p and dX/dx at a ratio of speeds x; `None` where exp(-X) is nothing.
+    #[inline(always)]
+    pub(crate) fn power(&self, x: D) -> Option<(D, D)> {
         let (power, slope) = match self.exponent {
             Exponent::Two => (x * x, x * 2.0),
             Exponent::Half => {
@@ -71,12 +80,7 @@ impl<D: Scalar> StribeckCurve<D> {
                 }
             }
         };
-        if power.value() > NEGLIGIBLE {
-            return (self.kinetic, D::constant(0.0));
-        }
-        // g = k + (s - k) exp(-X)
-        let fade = (at_rest - self.kinetic) * (-power).exp();
-        (self.kinetic + fade, -fade * slope / scale)
+        (power.value() <= NEGLIGIBLE).then_some((power, slope))
     }
 
     /// Only the real parts.

@@ -12,7 +12,8 @@
 //! Static laws have no state: mu = g(abs(v)) tanh(v/width) + sigma2 v. Sign: forward positive, friction has the sign
 //! of the slip. Where no load is recorded, `mu` is the force itself (N, N m) and the parameters carry its unit.
 
-use crate::{Exponent, LawKind, Scalar, StribeckCurve};
+use crate::gradient::Followed;
+use crate::{Exponent, LawKind, Record, Scalar, StribeckCurve};
 
 /// Default width of the regularised sign of static laws, m/s: friction reaches 76 % of its level at this speed.
 pub const SIGN_WIDTH: f64 = 1e-5;
@@ -70,6 +71,16 @@ impl<D: Scalar> Drive<D> {
             curve_speed: velocity * sign,
             sign,
             rest_gain: None,
+        }
+    }
+
+    /// Only the real parts.
+    pub(crate) fn real(&self) -> Drive<f64> {
+        Drive {
+            velocity: self.velocity.value(),
+            curve_speed: self.curve_speed.value(),
+            sign: self.sign,
+            rest_gain: self.rest_gain.map(|gain| gain.value()),
         }
     }
 }
@@ -140,6 +151,47 @@ struct Kinematics<D> {
     level_slope: D,
 }
 
+/// A rate z' with its slopes by state, slip speed and curve speed.
+#[derive(Clone, Copy)]
+pub(crate) struct RateSlope {
+    pub(crate) rate: f64,
+    pub(crate) z: f64,
+    velocity: f64,
+    curve_speed: f64,
+}
+
+impl RateSlope {
+    /// z'' along a motion of constant acceleration.
+    #[inline(always)]
+    pub(crate) fn second(&self, motion: &Motion<f64>) -> f64 {
+        self.z * self.rate
+            + self.velocity * motion.acceleration
+            + self.curve_speed * motion.curve_acceleration
+    }
+
+    /// The rate at a state a little further, to first order.
+    #[inline(always)]
+    pub(crate) fn moved_by(mut self, change: f64) -> Self {
+        self.rate += self.z * change;
+        self
+    }
+}
+
+impl Law<f64> {
+    /// z' with its slopes by state and motion.
+    #[inline(always)]
+    pub(crate) fn rate_slope(&self, z: f64, drive: &Drive<f64>) -> RateSlope {
+        let k = self.kinematics(z, drive);
+        let (rate, z, velocity, curve_speed) = Self::rate_slopes(&k, z, drive);
+        RateSlope {
+            rate,
+            z,
+            velocity,
+            curve_speed,
+        }
+    }
+}
+
 impl<D: Scalar> Law<D> {
     /// Whether the law has an inner state.
     pub fn is_dynamic(&self) -> bool {
@@ -183,6 +235,11 @@ impl<D: Scalar> Law<D> {
             Some((factor, _)) => (level * factor, slope * factor),
             None => (level, slope),
         }
+    }
+
+    /// The largest that [`Law::gear`] can be.
+    pub(crate) fn highest_gear(&self) -> f64 {
+        self.lean.as_ref().map_or(1.0, |lean| 1.0 / lean.height)
     }
 
     /// What the slip speed is multiplied by before the curve is read: cos^2(z + theta0)/h of a leaning bristle (E4), else one.
@@ -232,14 +289,6 @@ impl<D: Scalar> Law<D> {
         k.rate * (-(z * drive.sign) / k.level + 1.0)
     }
 
-    /// (z', dz'/dz): what a Newton step needs.
-    #[inline(always)]
-    pub(crate) fn rate_and_slope(&self, z: D, drive: &Drive<D>) -> (D, D) {
-        let k = self.kinematics(z, drive);
-        let (rate, rate_z, _, _) = Self::rate_slopes(&k, z, drive);
-        (rate, rate_z)
-    }
-
     /// (z', z'') along a motion of constant acceleration.
     #[inline(always)]
     pub(crate) fn first_two_rates(&self, z: D, motion: &Motion<D>) -> (D, D) {
@@ -270,11 +319,28 @@ impl<D: Scalar> Law<D> {
         self.rate_and_coefficient(z, drive).1
     }
 
+    /// mu at every sample of a record whose states are known (E7).
+    pub fn coefficients(&self, record: &Record<'_, D>, states: &[D]) -> Vec<D> {
+        let samples = 0..states.len();
+        if D::NDERIV == 0 || !self.is_dynamic() {
+            return samples
+                .map(|i| self.coefficient(states[i], &record.drive(i)))
+                .collect();
+        }
+        let followed = Followed::new(self);
+        samples
+            .map(|i| followed.coefficient(&states[i], &record.drive(i)))
+            .collect()
+    }
+
     /// (z', mu): both of [`Law::state_rate`] and [`Law::coefficient`] at the cost of one.
     #[inline(always)]
     pub fn rate_and_coefficient(&self, z: D, drive: &Drive<D>) -> (D, D) {
         if !self.is_dynamic() {
             return (D::constant(0.0), self.static_coefficient(drive).0);
+        }
+        if D::NDERIV > 0 {
+            return Followed::new(self).rate_and_coefficient(&z, drive);
         }
         let k = self.kinematics(z, drive);
         let rate = k.rate * (-(z * drive.sign) / k.level + 1.0);

@@ -7,21 +7,26 @@
 
 mod curve;
 mod ensemble;
+mod gradient;
 mod integrate;
 mod kind;
 mod law;
 mod laws;
+mod lift;
 mod normal;
 mod parameter;
+mod path;
 pub mod radau;
 mod scalar;
+mod stretch;
 
 pub use curve::{Exponent, StribeckCurve};
 pub use ensemble::{Ensemble, EnsembleError};
-pub use integrate::{IntegrationError, Record, integrate, linear_stretches};
+pub use integrate::{IntegrationError, Reals, Record, integrate, linear_stretches};
 pub use kind::{LawError, LawKind};
 pub use law::{Asymmetry, CosinePlacement, Drive, Evaluation, Law, Lean, Motion, SIGN_WIDTH};
 pub use laws::paper_form;
 pub use normal::Hertz;
 pub use parameter::ParameterSpec;
+pub use path::Path;
 pub use scalar::Scalar;

@@ -1,6 +1,7 @@
 //! The scalar over which every law is generic: `f64`, or a dual number that carries derivatives along.
 
-use num_dual::{DualNum, DualStruct};
+use nalgebra::{ArrayStorage, SVector};
+use num_dual::{Derivative, DualNum, DualSVec64, DualStruct};
 
 /// A real number or a dual number over `f64`.
 ///
@@ -24,6 +25,49 @@ pub trait Scalar: DualNum<Primitive = f64> + Copy + Send + Sync {
     fn magnitude(&self) -> Self {
         if self.value() < 0.0 { -*self } else { *self }
     }
+
+    /// Whether it carries derivatives.
+    fn varies(&self) -> bool;
+
+    /// A value whose derivatives are the sum of those of its arguments, each times the slope by it. A function whose slopes are
+    /// known costs one such sum, where its formula in dual numbers costs one or two for every operation.
+    fn along<'a>(value: f64, arguments: impl Iterator<Item = (&'a Self, f64)>) -> Self
+    where
+        Self: 'a;
 }
 
-impl<T> Scalar for T where T: DualNum<Primitive = f64> + Copy + Send + Sync {}
+impl Scalar for f64 {
+    #[inline(always)]
+    fn varies(&self) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn along<'a>(value: f64, _arguments: impl Iterator<Item = (&'a Self, f64)>) -> Self {
+        value
+    }
+}
+
+impl<const N: usize> Scalar for DualSVec64<N> {
+    #[inline(always)]
+    fn varies(&self) -> bool {
+        self.eps.0.is_some()
+    }
+
+    #[inline(always)]
+    fn along<'a>(value: f64, arguments: impl Iterator<Item = (&'a Self, f64)>) -> Self {
+        let mut sum = [0.0; N];
+        let mut varies = false;
+        arguments.for_each(|(argument, slope)| {
+            if let Some(theirs) = &argument.eps.0 {
+                varies = true;
+                let [theirs] = &theirs.data.0;
+                for k in 0..N {
+                    sum[k] += theirs[k] * slope;
+                }
+            }
+        });
+        let eps = varies.then(|| SVector::from_array_storage(ArrayStorage([sum])));
+        Self::new(value, Derivative::new(eps))
+    }
+}

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use friction::{Drive, IntegrationError, Law, Record, Scalar, integrate};
+use friction::{IntegrationError, Law, Record, Scalar, integrate};
 
 use crate::cord::{Corded, tension};
 use crate::refined::between;
@@ -457,18 +457,5 @@ fn coefficients<D: Scalar>(
     record: &Record<'_, D>,
     initial: D,
 ) -> Result<Vec<D>, IntegrationError> {
-    let states = integrate(law, record, initial)?;
-    Ok((0..states.len())
-        .map(|i| law.coefficient(states[i], &drive_at(record, i)))
-        .collect())
-}
-
-/// Drive at sample `i` of a record.
-pub(crate) fn drive_at<D: Scalar>(record: &Record<'_, D>, i: usize) -> Drive<D> {
-    let mut drive = Drive::at(record.velocity[i]);
-    if let Some(speed) = record.curve_speed {
-        drive.curve_speed = speed[i];
-    }
-    drive.rest_gain = record.rest_gain.map(|gain| gain[i]);
-    drive
+    Ok(law.coefficients(record, &integrate(law, record, initial)?))
 }

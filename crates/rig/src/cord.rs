@@ -18,7 +18,6 @@
 use friction::radau::{A, A_INVERSE, C, E, GAMMA, collocation_weights};
 use friction::{Drive, Evaluation, IntegrationError, Law, Record, Scalar};
 
-use crate::chain::drive_at;
 use crate::factorised::Factorised;
 
 const TOLERANCE: f64 = 4e-6;
@@ -292,7 +291,7 @@ pub(crate) fn tension<D: Scalar>(held: &Corded<'_, D>) -> Result<Vec<D>, Integra
         None => D::constant(held.load_n[i]),
     };
     // start: the cord holds what friction pulls, nothing moves yet
-    let start = held.law.coefficient(held.initial, &drive_at(record, 0)) * weight(0);
+    let start = held.law.coefficient(held.initial, &record.drive(0)) * weight(0);
     let mut y = [held.initial, start, D::constant(0.0)];
     let mut out = Vec::with_capacity(record.time_s.len());
     out.push(start);

@@ -1,0 +1,299 @@
+//! Slopes of the state's rate and of the coefficient of friction by everything they depend on, in `f64`: with them a dual number
+//! costs one weighted sum of derivatives for each argument (E3 to E5 and E7 differentiated by hand).
+//!
+//! With G = c/h, y = u G, L = A g(y) the level on this side of zero, w = v G and sgn the side:
+//!
+//! ```text
+//! z'      = w (1 - sgn z/L)
+//! dz'/dL  = w sgn z/L^2                  dz'/dG = v (1 - sgn z/L) + dz'/dL dL/dy u
+//! dz'/dz  = dz'/dG dG/dz - sgn w/L       dz'/d theta0 = dz'/dG dG/dz
+//! mu      = sigma0 z T + (sigma1 z' + sigma2 B w) P          T, P: c or 1 by the place of the cosine (E7)
+//! ```
+
+use crate::law::{CosinePlacement, Drive, Law};
+use crate::{Exponent, Scalar, StribeckCurve};
+
+/// Parameters on which the rate depends: kinetic level, level at rest, speed scale, exponent, lean, Coulomb asymmetry.
+const OF_THE_RATE: usize = 6;
+/// Those of the coefficient besides: viscous asymmetry, sigma0, sigma1, sigma2.
+const OF_THE_COEFFICIENT: usize = 4;
+
+/// A law by its numbers: the values, and those of its parameters that carry derivatives, in the order of the slopes.
+pub(crate) struct Followed<D> {
+    pub(crate) law: Law<f64>,
+    of_the_rate: Vec<(usize, D)>,
+    of_the_coefficient: Vec<(usize, D)>,
+}
+
+/// A rate z' with its slopes.
+#[derive(Clone, Copy)]
+pub(crate) struct RateSlopes {
+    pub(crate) rate: f64,
+    /// By the state.
+    pub(crate) z: f64,
+    /// By the slip speed, the curve's speed held.
+    pub(crate) velocity: f64,
+    /// By the speed at which the curve is read.
+    pub(crate) curve_speed: f64,
+    /// By the factor on the static level.
+    pub(crate) rest_gain: f64,
+    /// By the law's parameters.
+    pub(crate) law: [f64; OF_THE_RATE],
+}
+
+/// c(z) and G = c(z)/h with their slopes by z.
+struct Lever {
+    projection: f64,
+    projection_z: f64,
+    gear: f64,
+    gear_z: f64,
+}
+
+/// g(u) with its slopes.
+struct LevelSlopes {
+    level: f64,
+    speed: f64,
+    rest_gain: f64,
+    /// By kinetic level, level at rest, scale, exponent.
+    curve: [f64; 4],
+}
+
+impl<D: Scalar> Followed<D> {
+    pub(crate) fn new(law: &Law<D>) -> Self {
+        let none = D::constant(0.0);
+        let exponent = match law.curve.exponent {
+            Exponent::General(p) => p,
+            _ => none,
+        };
+        let of_the_rate: [D; OF_THE_RATE] = [
+            law.curve.kinetic,
+            law.curve.at_rest,
+            law.curve.speed.unwrap_or(none),
+            exponent,
+            law.lean.map_or(none, |lean| lean.angle),
+            law.asymmetry.map_or(none, |a| a.coulomb),
+        ];
+        let of_the_coefficient: [D; OF_THE_COEFFICIENT] = [
+            law.asymmetry.map_or(none, |a| a.viscous),
+            law.stiffness,
+            law.damping,
+            law.viscous,
+        ];
+        Self {
+            law: law.real(),
+            of_the_rate: varying(&of_the_rate),
+            of_the_coefficient: varying(&of_the_coefficient),
+        }
+    }
+
+    /// Parameters that move the rate, each with the slope by it.
+    #[inline(always)]
+    pub(crate) fn of_the_rate<'a>(
+        &'a self,
+        slopes: &'a [f64; OF_THE_RATE],
+    ) -> impl Iterator<Item = (&'a D, f64)> {
+        self.of_the_rate.iter().map(|(k, x)| (x, slopes[*k]))
+    }
+
+    /// z' with derivatives.
+    #[inline(always)]
+    fn with_rate<'a>(
+        &'a self,
+        z: &'a D,
+        drive: &'a Drive<D>,
+        slopes: &'a RateSlopes,
+    ) -> impl Iterator<Item = (&'a D, f64)> {
+        [
+            (z, slopes.z),
+            (&drive.velocity, slopes.velocity),
+            (&drive.curve_speed, slopes.curve_speed),
+        ]
+        .into_iter()
+        .chain(drive.rest_gain.iter().map(|gain| (gain, slopes.rest_gain)))
+        .chain(self.of_the_rate(&slopes.law))
+    }
+
+    /// mu of a law with a state, with derivatives.
+    #[inline(always)]
+    pub(crate) fn coefficient(&self, z: &D, drive: &Drive<D>) -> D {
+        let (_, slopes) = self.law.slopes(z.value(), &drive.real());
+        self.follow_coefficient(z, drive, &slopes)
+    }
+
+    /// (z', mu) of a law with a state, with derivatives.
+    #[inline(always)]
+    pub(crate) fn rate_and_coefficient(&self, z: &D, drive: &Drive<D>) -> (D, D) {
+        let (rate, slopes) = self.law.slopes(z.value(), &drive.real());
+        (
+            D::along(rate.rate, self.with_rate(z, drive, &rate)),
+            self.follow_coefficient(z, drive, &slopes),
+        )
+    }
+
+    #[inline(always)]
+    fn follow_coefficient(&self, z: &D, drive: &Drive<D>, slopes: &CoefficientSlopes) -> D {
+        let moved = self.with_rate(z, drive, &slopes.along_the_rate);
+        let own = (self.of_the_coefficient.iter()).map(|(k, x)| (x, slopes.own[*k]));
+        D::along(slopes.along_the_rate.rate, moved.chain(own))
+    }
+}
+
+fn varying<D: Scalar>(numbers: &[D]) -> Vec<(usize, D)> {
+    (numbers.iter().copied().enumerate())
+        .filter(|(_, x)| x.varies())
+        .collect()
+}
+
+/// A coefficient mu with its slopes.
+struct CoefficientSlopes {
+    /// mu in the place of the rate, with the slopes by all that moves the rate.
+    along_the_rate: RateSlopes,
+    own: [f64; OF_THE_COEFFICIENT],
+}
+
+impl Law<f64> {
+    #[inline(always)]
+    fn lever(&self, z: f64) -> Lever {
+        match &self.lean {
+            Some(lean) => {
+                let (sin, cos) = (z + lean.angle).sin_cos();
+                let (c, c_z) = (cos * cos, sin * cos * -2.0);
+                let inverse = 1.0 / lean.height;
+                Lever {
+                    projection: c,
+                    projection_z: c_z,
+                    gear: c * inverse,
+                    gear_z: c_z * inverse,
+                }
+            }
+            None => Lever {
+                projection: 1.0,
+                projection_z: 0.0,
+                gear: 1.0,
+                gear_z: 0.0,
+            },
+        }
+    }
+
+    /// z' with all its slopes.
+    #[inline(always)]
+    pub(crate) fn rate_with_slopes(&self, z: f64, drive: &Drive<f64>) -> RateSlopes {
+        self.rate_at(z, drive, &self.lever(z))
+    }
+
+    #[inline(always)]
+    fn rate_at(&self, z: f64, drive: &Drive<f64>, lever: &Lever) -> RateSlopes {
+        let turned = self.asymmetry.filter(|_| drive.sign < 0.0);
+        let factor = turned.map_or(1.0, |a| a.coulomb + 1.0);
+        let curve = self
+            .curve
+            .slopes(drive.curve_speed * lever.gear, drive.rest_gain);
+        let inverse = 1.0 / (curve.level * factor);
+        let w = drive.velocity * lever.gear;
+        let signed = drive.sign * z * inverse;
+        let left = 1.0 - signed;
+        let by_level = w * signed * inverse;
+        let by_curve = by_level * factor;
+        let by_gear = drive.velocity * left + by_curve * curve.speed * drive.curve_speed;
+        let by_angle = by_gear * lever.gear_z;
+        RateSlopes {
+            rate: w * left,
+            z: by_angle - w * drive.sign * inverse,
+            velocity: lever.gear * left,
+            curve_speed: by_curve * curve.speed * lever.gear,
+            rest_gain: by_curve * curve.rest_gain,
+            law: [
+                by_curve * curve.curve[0],
+                by_curve * curve.curve[1],
+                by_curve * curve.curve[2],
+                by_curve * curve.curve[3],
+                if self.lean.is_some() { by_angle } else { 0.0 },
+                if turned.is_some() {
+                    by_level * curve.level
+                } else {
+                    0.0
+                },
+            ],
+        }
+    }
+
+    #[inline(always)]
+    fn slopes(&self, z: f64, drive: &Drive<f64>) -> (RateSlopes, CoefficientSlopes) {
+        let lever = self.lever(z);
+        let r = self.rate_at(z, drive, &lever);
+        let w = drive.velocity * lever.gear;
+        let turned = self.asymmetry.filter(|_| drive.sign < 0.0);
+        let factor = turned.map_or(1.0, |a| a.viscous + 1.0);
+        let viscous = self.viscous * factor;
+        let losses = self.damping * r.rate + viscous * w;
+        let elastic = self.stiffness * z;
+        // T and P of E7, and what turns with the bristle
+        let all = self
+            .lean
+            .is_none_or(|lean| lean.placement == CosinePlacement::AllTerms);
+        let (p, turning) = if all {
+            (lever.projection, elastic + losses)
+        } else {
+            (1.0, elastic)
+        };
+        let by_lever = turning * lever.projection_z + p * viscous * drive.velocity * lever.gear_z;
+        let scaled = p * self.damping;
+        let mut law = r.law.map(|slope| scaled * slope);
+        if self.lean.is_some() {
+            law[4] += by_lever;
+        }
+        let along_the_rate = RateSlopes {
+            rate: turning * lever.projection + if all { 0.0 } else { losses },
+            z: self.stiffness * lever.projection + scaled * r.z + by_lever,
+            velocity: scaled * r.velocity + p * viscous * lever.gear,
+            curve_speed: scaled * r.curve_speed,
+            rest_gain: scaled * r.rest_gain,
+            law,
+        };
+        let by_asymmetry = turned.map_or(0.0, |_| p * self.viscous * w);
+        let own = [
+            by_asymmetry,
+            z * lever.projection,
+            p * r.rate,
+            p * factor * w,
+        ];
+        (
+            r,
+            CoefficientSlopes {
+                along_the_rate,
+                own,
+            },
+        )
+    }
+}
+
+impl StribeckCurve<f64> {
+    #[inline(always)]
+    fn slopes(&self, u: f64, rest_gain: Option<f64>) -> LevelSlopes {
+        let flat = LevelSlopes {
+            level: self.kinetic,
+            speed: 0.0,
+            rest_gain: 0.0,
+            curve: [1.0, 0.0, 0.0, 0.0],
+        };
+        let Some(scale) = self.speed else { return flat };
+        let x = u / scale;
+        let Some((power, slope)) = self.power(x) else {
+            return flat;
+        };
+        let gain = rest_gain.unwrap_or(1.0);
+        let exp = (-power).exp();
+        let fade = (self.at_rest * gain - self.kinetic) * exp;
+        let speed = -fade * slope / scale;
+        let exponent = match self.exponent {
+            Exponent::General(_) if x > 0.0 => -fade * power * x.ln(),
+            _ => 0.0,
+        };
+        LevelSlopes {
+            level: self.kinetic + fade,
+            speed,
+            rest_gain: self.at_rest * exp,
+            curve: [1.0 - exp, gain * exp, -speed * x, exponent],
+        }
+    }
+}
