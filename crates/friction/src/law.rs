@@ -178,6 +178,39 @@ impl RateSlope {
 }
 
 impl Law<f64> {
+    /// Whether the other law is this one but for relative differences of its parameters within `rounding`.
+    pub fn is_but_for_rounding(&self, other: &Self, rounding: f64) -> bool {
+        let close = |a: f64, b: f64| (a - b).abs() <= rounding * a.abs();
+        let mut moved = *other;
+        let mut pairs = vec![];
+        let mut pair = |ours: f64, theirs: &mut f64| {
+            pairs.push((ours, *theirs));
+            *theirs = ours;
+        };
+        pair(self.curve.kinetic, &mut moved.curve.kinetic);
+        pair(self.curve.at_rest, &mut moved.curve.at_rest);
+        pair(self.stiffness, &mut moved.stiffness);
+        pair(self.damping, &mut moved.damping);
+        pair(self.viscous, &mut moved.viscous);
+        if let (Some(ours), Some(theirs)) = (self.curve.speed, &mut moved.curve.speed) {
+            pair(ours, theirs);
+        }
+        if let (Exponent::General(ours), Exponent::General(theirs)) =
+            (self.curve.exponent, &mut moved.curve.exponent)
+        {
+            pair(ours, theirs);
+        }
+        if let (Some(ours), Some(theirs)) = (self.lean, &mut moved.lean) {
+            pair(ours.angle, &mut theirs.angle);
+        }
+        if let (Some(ours), Some(theirs)) = (self.asymmetry, &mut moved.asymmetry) {
+            pair(ours.coulomb, &mut theirs.coulomb);
+            pair(ours.viscous, &mut theirs.viscous);
+        }
+        // what is left of other differences is no rounding: another form
+        moved == *self && pairs.iter().all(|&(a, b)| close(a, b))
+    }
+
     /// z' with its slopes by state and motion.
     #[inline(always)]
     pub(crate) fn rate_slope(&self, z: f64, drive: &Drive<f64>) -> RateSlope {

@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use friction::{IntegrationError, Law, Record, Scalar, integrate};
+use friction::{IntegrationError, Record, Scalar};
 
+use crate::contact::Paths;
 use crate::cord::{Corded, tension};
 use crate::refined::between;
 use crate::signal::slope;
@@ -20,6 +21,8 @@ pub(crate) struct Pass<'a, D> {
     pub(crate) state_varies: bool,
     /// A factor on the friction that leaves the contact (and the cord), for derivatives by it.
     pub(crate) gain: Option<D>,
+    /// Paths of the contact's state.
+    pub(crate) paths: &'a Paths,
 }
 
 impl<D: ChainScalar> Pass<'_, D> {
@@ -149,7 +152,13 @@ impl<D: ChainScalar> Pass<'_, D> {
             let fine = match done.rigid(run.twin) {
                 Some(same) => same.to_vec(),
                 None => {
-                    let coefficient = self.coefficients(&law, &record, initial)?;
+                    let coefficient = self.paths.coefficients(
+                        index,
+                        &law,
+                        &record,
+                        initial,
+                        self.state_varies,
+                    )?;
                     let force: Vec<D> = coefficient
                         .iter()
                         .zip(&motion.load_n)
@@ -368,32 +377,6 @@ impl<D: ChainScalar> Pass<'_, D> {
         })?;
         Ok(values.into_iter().map(D::constant).collect())
     }
-
-    /// Coefficient of friction at the samples of the rigid chain.
-    fn coefficients(
-        &self,
-        law: &Law<D>,
-        record: &Record<'_, D>,
-        initial: D,
-    ) -> Result<Vec<D>, IntegrationError> {
-        if D::NDERIV > 0 && !self.state_varies {
-            // nothing that is seeded reaches the contact: values suffice
-            let real = |series: &[D]| series.iter().map(Scalar::value).collect::<Vec<f64>>();
-            let velocity = real(record.velocity);
-            let curve_speed = record.curve_speed.map(real);
-            let rest_gain = record.rest_gain.map(real);
-            let record = Record {
-                time_s: record.time_s,
-                velocity: &velocity,
-                curve_speed: curve_speed.as_deref(),
-                rest_gain: rest_gain.as_deref(),
-                knots: record.knots,
-            };
-            let values = coefficients(&law.real(), &record, initial.value())?;
-            return Ok(values.into_iter().map(D::constant).collect());
-        }
-        coefficients(law, record, initial)
-    }
 }
 
 /// Steps from sample to sample that a run's motion asks for.
@@ -450,12 +433,4 @@ impl<D: ChainScalar> Done<D> {
             self.corded.insert(index, force.to_vec());
         }
     }
-}
-
-fn coefficients<D: Scalar>(
-    law: &Law<D>,
-    record: &Record<'_, D>,
-    initial: D,
-) -> Result<Vec<D>, IntegrationError> {
-    Ok(law.coefficients(record, &integrate(law, record, initial)?))
 }

@@ -7,6 +7,7 @@ use nalgebra::DMatrix;
 use num_dual::DualSVec64;
 
 use crate::chain::Pass;
+use crate::contact::Paths;
 use crate::{ChainScalar, Experiment, Model, Reach};
 
 /// What one lane of a dual number stands for.
@@ -23,6 +24,7 @@ pub(crate) fn columns(
     experiment: &Experiment,
     parameters: &[f64],
     columns: &[usize],
+    paths: &Paths,
 ) -> DMatrix<f64> {
     let mut jacobian = DMatrix::zeros(experiment.samples(), columns.len());
     let initial = model.initial_states();
@@ -50,6 +52,7 @@ pub(crate) fn columns(
         experiment,
         parameters,
         columns,
+        paths,
     };
     for (lanes, state_varies) in [(state, true), (record, false)] {
         let mut rest = lanes.as_slice();
@@ -78,6 +81,7 @@ pub(crate) fn friction(model: &Model, experiment: &Experiment, parameters: &[f64
         active: model.off_null(parameters),
         state_varies: false,
         gain: Some(Dual::from_re(1.0).derivative(0)),
+        paths: &Paths::forgotten(),
     }
     .predict();
     let of = |f: &Dual| match &f.eps.0 {
@@ -110,6 +114,7 @@ struct Task<'a> {
     experiment: &'a Experiment,
     parameters: &'a [f64],
     columns: &'a [usize],
+    paths: &'a Paths,
 }
 
 impl Task<'_> {
@@ -155,6 +160,7 @@ impl Task<'_> {
             active,
             state_varies,
             gain: None,
+            paths: self.paths,
         };
         let record = pass.predict();
         for (j, &column) in self.columns.iter().enumerate() {

@@ -10,6 +10,7 @@
 
 mod bends;
 mod chain;
+mod contact;
 mod cord;
 mod effect;
 mod experiment;

@@ -10,6 +10,7 @@ use friction::{CosinePlacement, Drive, Exponent, Law, LawError, LawKind, Paramet
 use nalgebra::DMatrix;
 
 use crate::chain::Pass;
+use crate::contact::Paths;
 use crate::{Cause, ChainScalar, Coupling, Experiment, Hook, Place, Reach, jacobian};
 
 /// Why a model cannot be made.
@@ -210,6 +211,15 @@ impl Model {
             self.specs.len(),
             "one value for each parameter"
         );
+        self.predict_along(experiment, parameters, &Paths::forgotten())
+    }
+
+    fn predict_along(
+        &self,
+        experiment: &Experiment,
+        parameters: &[f64],
+        paths: &Paths,
+    ) -> Vec<f64> {
         Pass {
             model: self,
             experiment,
@@ -217,6 +227,7 @@ impl Model {
             active: self.off_null(parameters),
             state_varies: true,
             gain: None,
+            paths,
         }
         .predict()
     }
@@ -249,7 +260,13 @@ impl Model {
         parameters: &[f64],
         columns: Option<&[usize]>,
     ) -> (Vec<f64>, DMatrix<f64>) {
-        let values = self.predict(experiment, parameters);
+        assert_eq!(
+            parameters.len(),
+            self.specs.len(),
+            "one value for each parameter"
+        );
+        let paths = Paths::kept(experiment.runs.len());
+        let values = self.predict_along(experiment, parameters, &paths);
         let every: Vec<usize>;
         let columns = match columns {
             Some(columns) => columns,
@@ -260,7 +277,7 @@ impl Model {
         };
         (
             values,
-            jacobian::columns(self, experiment, parameters, columns),
+            jacobian::columns(self, experiment, parameters, columns, &paths),
         )
     }
 

@@ -1,0 +1,108 @@
+//! The contact of the rigid chain: coefficient of friction at the samples of a run, from paths that are walked once.
+//!
+//! Derivatives come in several passes over the same motions: some columns at a time, and once for what leaves the state alone. The
+//! state's path is the same in all of them, unless an effect at its null takes part for its derivatives and asks for other knots.
+
+use std::cell::RefCell;
+
+use friction::{IntegrationError, Law, Path, Record, Scalar, integrate};
+
+/// Relative difference of numbers that are equal but for rounding: a quotient in dual numbers is the product with an inverse.
+const ROUNDING: f64 = 1e-13;
+
+/// Paths of a campaign's runs, kept from pass to pass, or forgotten after each run where no other pass follows.
+pub(crate) struct Paths(Option<RefCell<Vec<Option<Walked>>>>);
+
+/// A path with what it was walked for.
+struct Walked {
+    law: Law<f64>,
+    initial: f64,
+    knots: Vec<usize>,
+    velocity: Vec<f64>,
+    curve_speed: Option<Vec<f64>>,
+    rest_gain: Option<Vec<f64>>,
+    path: Path,
+    coefficients: Vec<f64>,
+}
+
+impl Paths {
+    pub(crate) fn kept(runs: usize) -> Self {
+        Self(Some(RefCell::new((0..runs).map(|_| None).collect())))
+    }
+
+    pub(crate) fn forgotten() -> Self {
+        Self(None)
+    }
+
+    /// Coefficient of friction at the samples of a run, with derivatives if `varies` and paths are kept.
+    pub(crate) fn coefficients<D: Scalar>(
+        &self,
+        run: usize,
+        law: &Law<D>,
+        record: &Record<'_, D>,
+        initial: D,
+        varies: bool,
+    ) -> Result<Vec<D>, IntegrationError> {
+        let reals = record.real();
+        let (real, motion) = (law.real(), reals.record());
+        let start = initial.value();
+        let constant = |values: &[f64]| values.iter().copied().map(D::constant).collect();
+        let Some(kept) = &self.0 else {
+            let states = integrate(&real, &motion, start)?;
+            return Ok(constant(&real.coefficients(&motion, &states)));
+        };
+        let mut kept = kept.borrow_mut();
+        let walked = match kept[run].take() {
+            Some(walked) if walked.is_for(&real, &motion, start) => walked,
+            _ => Walked::new(real, &motion, start)?,
+        };
+        let walked = kept[run].insert(walked);
+        if D::NDERIV == 0 || !varies {
+            return Ok(constant(&walked.coefficients));
+        }
+        let states = walked.path.lift(law, record, initial)?;
+        Ok(law.coefficients(record, &states))
+    }
+}
+
+impl Walked {
+    fn new(
+        law: Law<f64>,
+        record: &Record<'_, f64>,
+        initial: f64,
+    ) -> Result<Self, IntegrationError> {
+        let path = Path::along(&law, record, initial)?;
+        Ok(Self {
+            coefficients: law.coefficients(record, path.states()),
+            law,
+            initial,
+            knots: record.knots.to_vec(),
+            velocity: record.velocity.to_vec(),
+            curve_speed: record.curve_speed.map(<[f64]>::to_vec),
+            rest_gain: record.rest_gain.map(<[f64]>::to_vec),
+            path,
+        })
+    }
+
+    fn is_for(&self, law: &Law<f64>, record: &Record<'_, f64>, initial: f64) -> bool {
+        self.initial == initial
+            && self.knots == record.knots
+            && self.law.is_but_for_rounding(law, ROUNDING)
+            && same(&self.velocity, record.velocity)
+            && same_or_none(self.curve_speed.as_deref(), record.curve_speed)
+            && same_or_none(self.rest_gain.as_deref(), record.rest_gain)
+    }
+}
+
+fn same_or_none(ours: Option<&[f64]>, theirs: Option<&[f64]>) -> bool {
+    match (ours, theirs) {
+        (Some(ours), Some(theirs)) => same(ours, theirs),
+        (None, None) => true,
+        _ => false,
+    }
+}
+
+fn same(ours: &[f64], theirs: &[f64]) -> bool {
+    let close = |(a, b): (&f64, &f64)| (a - b).abs() <= ROUNDING * a.abs();
+    ours.len() == theirs.len() && ours.iter().zip(theirs).all(close)
+}
