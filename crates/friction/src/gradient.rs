@@ -18,8 +18,10 @@ const OF_THE_RATE: usize = 6;
 /// Those of the coefficient besides: viscous asymmetry, sigma0, sigma1, sigma2.
 const OF_THE_COEFFICIENT: usize = 4;
 
-/// A law by its numbers: the values, and those of its parameters that carry derivatives, in the order of the slopes.
-pub(crate) struct Followed<D> {
+/// A law whose derivatives are taken by slopes: its values, and those of its parameters that carry derivatives.
+#[derive(Clone, Debug)]
+pub struct Followed<D> {
+    whole: Law<D>,
     pub(crate) law: Law<f64>,
     of_the_rate: Vec<(usize, D)>,
     of_the_coefficient: Vec<(usize, D)>,
@@ -59,7 +61,8 @@ struct LevelSlopes {
 }
 
 impl<D: Scalar> Followed<D> {
-    pub(crate) fn new(law: &Law<D>) -> Self {
+    /// Of a law.
+    pub fn new(law: &Law<D>) -> Self {
         let none = D::constant(0.0);
         let exponent = match law.curve.exponent {
             Exponent::General(p) => p,
@@ -80,6 +83,7 @@ impl<D: Scalar> Followed<D> {
             law.viscous,
         ];
         Self {
+            whole: *law,
             law: law.real(),
             of_the_rate: varying(&of_the_rate),
             of_the_coefficient: varying(&of_the_coefficient),
@@ -120,9 +124,12 @@ impl<D: Scalar> Followed<D> {
         self.follow_coefficient(z, drive, &slopes)
     }
 
-    /// (z', mu) of a law with a state, with derivatives.
-    #[inline(always)]
-    pub(crate) fn rate_and_coefficient(&self, z: &D, drive: &Drive<D>) -> (D, D) {
+    /// (z', mu), as [`Law::rate_and_coefficient`].
+    #[inline]
+    pub fn rate_and_coefficient(&self, z: &D, drive: &Drive<D>) -> (D, D) {
+        if !self.law.is_dynamic() {
+            return self.whole.rate_and_coefficient(*z, drive);
+        }
         let (rate, slopes) = self.law.slopes(z.value(), &drive.real());
         (
             D::along(rate.rate, self.with_rate(z, drive, &rate)),
@@ -156,7 +163,7 @@ impl Law<f64> {
     fn lever(&self, z: f64) -> Lever {
         match &self.lean {
             Some(lean) => {
-                let (sin, cos) = (z + lean.angle).sin_cos();
+                let (sin, cos) = (z + lean.angle).sine_and_cosine();
                 let (c, c_z) = (cos * cos, sin * cos * -2.0);
                 let inverse = 1.0 / lean.height;
                 Lever {

@@ -288,7 +288,7 @@ impl<D: Scalar> Law<D> {
         let (projection, projection_z, gear, gear_z) = match &self.lean {
             Some(lean) => {
                 // c = cos^2(z + theta0), dc/dz = -2 sin cos
-                let (sin, cos) = (z + lean.angle).sin_cos();
+                let (sin, cos) = (z + lean.angle).sine_and_cosine();
                 let (c, c_z) = (cos * cos, sin * cos * -2.0);
                 (c, c_z, c * (1.0 / lean.height), c_z * (1.0 / lean.height))
             }
@@ -371,9 +371,6 @@ impl<D: Scalar> Law<D> {
     pub fn rate_and_coefficient(&self, z: D, drive: &Drive<D>) -> (D, D) {
         if !self.is_dynamic() {
             return (D::constant(0.0), self.static_coefficient(drive).0);
-        }
-        if D::NDERIV > 0 {
-            return Followed::new(self).rate_and_coefficient(&z, drive);
         }
         let k = self.kinematics(z, drive);
         let rate = k.rate * (-(z * drive.sign) / k.level + 1.0);

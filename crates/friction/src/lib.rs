@@ -22,6 +22,7 @@ mod stretch;
 
 pub use curve::{Exponent, StribeckCurve};
 pub use ensemble::{Ensemble, EnsembleError};
+pub use gradient::Followed;
 pub use integrate::{IntegrationError, Reals, Record, integrate, linear_stretches};
 pub use kind::{LawError, LawKind};
 pub use law::{Asymmetry, CosinePlacement, Drive, Evaluation, Law, Lean, Motion, SIGN_WIDTH};

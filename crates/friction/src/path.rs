@@ -16,6 +16,10 @@ const STIFF: f64 = 2.0;
 const BEYOND_THE_PEAK: f64 = 4.0;
 /// Stages of a step over so many speed scales still meet the curve wherever the step begins or ends within it.
 const MET: f64 = 8.0;
+/// Factor by which a step grows at most.
+const FASTEST: f64 = 4.0;
+/// The quintic of a step is continued over as many of its size at most.
+const FARTHEST: f64 = 2.0;
 const NEWTON_LIMIT: usize = 12;
 const NEWTON_TOLERANCE: f64 = 1e-6;
 /// A step is never cut below this share of its stretch.
@@ -119,15 +123,42 @@ struct Arrival {
     slope: RateSlope,
     sign: f64,
     rest_gain: Option<f64>,
+    /// z''' within the step that ended.
+    third: f64,
 }
 
 /// Where a step starts.
 struct Start {
     node: Node<f64>,
+    /// z''' as it was before.
+    third: f64,
+    /// Start and size of the step before on the same stretch, where its rates at both ends are exact.
+    before: Option<(Node<f64>, f64)>,
     /// dz'/dz.
     slope: f64,
     /// Whether the rates are those of the law at the state, rather than carried over from a stage a rounding away.
     exact: bool,
+}
+
+impl Start {
+    /// First guess of the stages of a step: the quintic of the step before continued, else Taylor's series, or where the step is
+    /// stiff the state as it stands.
+    #[inline(always)]
+    fn continued(&self, h: f64) -> [f64; 3] {
+        let node = &self.node;
+        if (h * self.slope).abs() >= STIFF {
+            return [node.z; 3];
+        }
+        match &self.before {
+            Some((before, size)) if h <= FARTHEST * size => {
+                C.map(|c| quintic(before, node, *size, 1.0 + c * h / size))
+            }
+            _ => C.map(|c| {
+                let t = c * h;
+                node.z + t * (node.rate + t * (0.5 * node.second + t * (self.third / 6.0)))
+            }),
+        }
+    }
 }
 
 struct Walker<'a> {
@@ -226,6 +257,7 @@ impl Walker<'_> {
                 slope: end,
                 sign,
                 rest_gain: stretch.rest_gain,
+                third: (end.second(&stretch.motion(step.end)) - start.node.second) / h,
             });
             let next = self.read_off(&step, stretch, &start, &self.record.time_s[..=b], t0);
             self.keep(step);
@@ -261,6 +293,8 @@ impl Walker<'_> {
                 rate: slope.rate,
                 second: slope.second(&motion),
             },
+            third: carried.map_or(0.0, |last| last.third),
+            before: None,
             slope: slope.z,
             exact: carried.is_none(),
         }
@@ -302,6 +336,8 @@ impl Walker<'_> {
             }));
             return Some(Start {
                 node,
+                third: 0.0,
+                before: Some((first, step.h)),
                 slope: slope.z,
                 exact: true,
             });
@@ -346,10 +382,10 @@ impl Walker<'_> {
                     let sum: f64 = (0..3).map(|i| E[i] * (stages[i] - node.z)).sum();
                     let estimate =
                         ((h * GAMMA * node.rate + sum) / (1.0 - h * GAMMA * start.slope)).abs();
-                    let factor = 0.9 * (self.tolerance / estimate.max(1e-300)).sqrt().sqrt();
+                    let factor = growth(self.tolerance / estimate.max(1e-300));
                     if estimate <= self.tolerance || smallest {
                         let cut_by_stretch = (t + h >= to || h < free) && h < self.step;
-                        let next = h * factor.clamp(0.2, 4.0);
+                        let next = h * factor.clamp(0.2, FASTEST);
                         self.step = if cut_by_stretch {
                             self.step.max(next)
                         } else {
@@ -397,12 +433,7 @@ impl Walker<'_> {
     ) -> Option<([f64; 3], RateSlope)> {
         let node = &start.node;
         let drives = C.map(|c| stretch.motion(t + c * h).drive);
-        // predictor: Taylor where the step is not stiff, the old value where it is
-        let mut z = if (h * start.slope).abs() < STIFF {
-            C.map(|c| node.z + c * h * (node.rate + 0.5 * c * h * node.second))
-        } else {
-            [node.z; 3]
-        };
+        let mut z = start.continued(h);
         let scale = self.level + node.z.abs();
         for _ in 0..NEWTON_LIMIT {
             let rate = |i: usize| self.law.rate_slope(z[i], &drives[i]);
@@ -431,4 +462,14 @@ impl Walker<'_> {
         }
         None
     }
+}
+
+/// Factor by which a step may grow, at most [`FASTEST`], for the bound over its estimate, which is of order four.
+fn growth(allowed: f64) -> f64 {
+    const SAFETY: f64 = 0.9;
+    if allowed > (FASTEST / SAFETY).powi(4) {
+        // short of the bound by far, as most steps from sample to sample: no root is worth its time
+        return FASTEST;
+    }
+    SAFETY * allowed.sqrt().sqrt()
 }

@@ -26,6 +26,16 @@ pub trait Scalar: DualNum<Primitive = f64> + Copy + Send + Sync {
         if self.value() < 0.0 { -*self } else { *self }
     }
 
+    /// Sine and cosine, by the same few operations on every processor.
+    #[inline(always)]
+    fn sine_and_cosine(&self) -> (Self, Self) {
+        let (sine, cosine) = libm::sincos(self.value());
+        (
+            Self::along(sine, [(self, cosine)].into_iter()),
+            Self::along(cosine, [(self, -sine)].into_iter()),
+        )
+    }
+
     /// Whether it carries derivatives.
     fn varies(&self) -> bool;
 

@@ -16,7 +16,7 @@
 //! stages the collocation polynomial is read.
 
 use friction::radau::{A, A_INVERSE, C, E, GAMMA, collocation_weights};
-use friction::{Drive, Evaluation, IntegrationError, Law, Record, Scalar};
+use friction::{Drive, Evaluation, Followed, IntegrationError, Law, Record, Scalar};
 
 use crate::factorised::Factorised;
 
@@ -257,6 +257,7 @@ struct Trial<'s> {
 struct Solver<'a, D> {
     held: &'a Corded<'a, D>,
     law: Law<f64>,
+    followed: Followed<D>,
     coupling: Coupling<f64>,
     /// Sizes of z and q against which errors count.
     size: [f64; 2],
@@ -277,6 +278,7 @@ pub(crate) fn tension<D: Scalar>(held: &Corded<'_, D>) -> Result<Vec<D>, Integra
     let mut solver = Solver {
         held,
         law,
+        followed: Followed::new(held.law),
         coupling: held.coupling.real(),
         size: [
             if law.is_dynamic() { level } else { 1.0 },
@@ -552,7 +554,7 @@ impl<D: Scalar> Solver<'_, D> {
         let forces: [[D; 2]; 3] = std::array::from_fn(|i| {
             let at = t + C[i] * h;
             let drive = stretch.drive(at, lifted[i][2]);
-            let (rate, mu) = self.held.law.rate_and_coefficient(lifted[i][0], &drive);
+            let (rate, mu) = self.followed.rate_and_coefficient(&lifted[i][0], &drive);
             [rate, stretch.line(&stretch.weight, at) * mu]
         });
         let r = residual(&self.held.coupling, h, y, &lifted, &forces);
