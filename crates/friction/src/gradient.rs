@@ -304,3 +304,68 @@ impl StribeckCurve<f64> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use num_dual::DualSVec64;
+
+    use super::*;
+    use crate::LawKind;
+
+    type Dual = DualSVec64<14>;
+
+    fn seeded(value: f64, lane: usize) -> Dual {
+        Dual::from_re(value).derivative(lane)
+    }
+
+    /// Leaning bristles with every parameter and everything that drives them on a lane of its own.
+    fn law(exponent: Exponent<Dual>, placement: CosinePlacement) -> Law<Dual> {
+        let p: Vec<Dual> = [0.5, 0.62, 1.5, 0.1, 0.01, 1.5, -0.3]
+            .iter()
+            .enumerate()
+            .map(|(k, &x)| seeded(x, k))
+            .collect();
+        let mut law = LawKind::AsymmetricBristle
+            .build(&p, Some(7e-3))
+            .expect("complete")
+            .with_exponent(exponent)
+            .with_placement(placement);
+        law.asymmetry = Some(crate::Asymmetry {
+            coulomb: seeded(0.2, 8),
+            viscous: seeded(-0.1, 9),
+        });
+        law
+    }
+
+    /// The slopes taken by hand are those that the law's formula gives in dual numbers.
+    #[test]
+    fn slopes_are_those_of_the_formula() {
+        let exponents = [
+            Exponent::Two,
+            Exponent::Half,
+            Exponent::General(seeded(1.3, 7)),
+        ];
+        let places = [CosinePlacement::AllTerms, CosinePlacement::StiffnessOnly];
+        let largest = |d: &Dual| d.eps.0.map_or(0.0, |e| e.amax());
+        for (exponent, placement) in exponents.iter().flat_map(|e| places.map(|p| (*e, p))) {
+            let law = law(exponent, placement);
+            let followed = Followed::new(&law);
+            for (v, u, z) in [(0.004, 0.006, 0.1), (-0.02, 0.01, -0.3), (0.3, 0.3, 0.2)] {
+                let drive = Drive {
+                    velocity: seeded(v, 10),
+                    curve_speed: seeded(u, 11),
+                    sign: f64::signum(v),
+                    rest_gain: Some(seeded(1.2, 12)),
+                };
+                let z = seeded(z, 13);
+                let (rate, mu) = followed.rate_and_coefficient(&z, &drive);
+                let (rate_wanted, mu_wanted) = law.rate_and_coefficient(z, &drive);
+                for (ours, theirs) in [(rate, rate_wanted), (mu, mu_wanted)] {
+                    let apart = largest(&(ours - theirs)) / largest(&theirs);
+                    assert!(apart < 1e-13, "{exponent:?} {placement:?} {v}: {apart:e}");
+                    assert!((ours.re - theirs.re).abs() < 1e-13 * theirs.re.abs());
+                }
+            }
+        }
+    }
+}

@@ -106,3 +106,48 @@ fn same(ours: &[f64], theirs: &[f64]) -> bool {
     let close = |(a, b): (&f64, &f64)| (a - b).abs() <= ROUNDING * a.abs();
     ours.len() == theirs.len() && ours.iter().zip(theirs).all(close)
 }
+
+#[cfg(test)]
+mod tests {
+    use friction::{LawKind, Record};
+
+    use super::Walked;
+
+    /// A kept path serves the same law and motion but for rounding, and no other.
+    #[test]
+    fn a_path_serves_only_what_it_was_walked_for() {
+        let build = |p: &[f64; 7]| {
+            LawKind::AsymmetricBristle
+                .build(p, Some(7e-3))
+                .expect("complete")
+        };
+        let parameters = [0.5, 0.62, 1.5, 0.1, 0.01, 1.5, -0.3];
+        let time: Vec<f64> = (0..50).map(|i| f64::from(i) / 60.0).collect();
+        let velocity: Vec<f64> = time.iter().map(|t| 0.006 * t).collect();
+        let record = |velocity, curve_speed, knots| Record {
+            time_s: &time,
+            velocity,
+            curve_speed,
+            rest_gain: None,
+            knots,
+        };
+        let ends = [0, 49];
+        let asked = record(velocity.as_slice(), None, &ends[..]);
+        let walked = Walked::new(build(&parameters), &asked, 0.0).expect("finite");
+        assert!(walked.is_for(&build(&parameters), &asked, 0.0));
+        for k in 0..parameters.len() {
+            let mut moved = parameters;
+            moved[k] *= 1.0 + 1e-15;
+            assert!(walked.is_for(&build(&moved), &asked, 0.0), "{k}");
+            moved[k] *= 1.0 + 1e-9;
+            assert!(!walked.is_for(&build(&moved), &asked, 0.0), "{k}");
+        }
+        let law = build(&parameters);
+        let faster: Vec<f64> = velocity.iter().map(|v| v * (1.0 + 1e-9)).collect();
+        assert!(!walked.is_for(&law, &asked, 1e-9));
+        assert!(!walked.is_for(&law, &record(&faster, None, &ends[..]), 0.0));
+        let read = Some(velocity.as_slice());
+        assert!(!walked.is_for(&law, &record(&velocity, read, &ends[..]), 0.0));
+        assert!(!walked.is_for(&law, &record(&velocity, None, &[0, 20, 49][..]), 0.0));
+    }
+}
