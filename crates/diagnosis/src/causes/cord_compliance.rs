@@ -86,7 +86,7 @@ impl Cause for CordCompliance {
         let damping = scales.force_n / scales.speed_m_s;
         vec![
             grids::bounded(&PARAMETERS[0], 0.0, soft, 0.01 * soft),
-            grids::bounded(&PARAMETERS[1], 0.0, 10.0 * damping, 0.0),
+            grids::bounded(&PARAMETERS[1], 0.0, 100.0 * damping, 0.0),
         ]
     }
 
