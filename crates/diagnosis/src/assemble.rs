@@ -106,7 +106,12 @@ pub(crate) fn assemble(
         laws: Vec::<LawFit>::new(),
         hidden: hidden(bench, selected),
         gain: None,
-        notes: notes(whole),
+        notes: selected
+            .refused
+            .iter()
+            .cloned()
+            .chain(notes(whole))
+            .collect(),
     }
 }
 

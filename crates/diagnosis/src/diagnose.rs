@@ -19,6 +19,7 @@ use crate::integrity::inspect;
 use crate::laws;
 use crate::prepare::bench;
 use crate::refusal::{refuse_beaten, take_all_back};
+use crate::rises::straighter_than_the_law;
 use crate::selection::{Depth, Selected, law_alone, select};
 use crate::subset::Subset;
 use crate::ties;
@@ -144,6 +145,9 @@ pub fn diagnose_fully(
         answer = assemble(&whole, &selected, &contests, &integrity);
         answer.notes.push(taken);
         gains = gains.map(Gains::of_the_law);
+    }
+    if answer.unexplained.detected {
+        answer.notes.extend(straighter_than_the_law(&whole));
     }
     if let Some(condensed) = &condensed {
         answer.notes.push(condensed.note(&recorded.samples));

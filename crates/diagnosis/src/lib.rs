@@ -41,6 +41,7 @@ mod prior;
 mod probability;
 mod refusal;
 mod rhythm;
+mod rises;
 mod samples;
 mod scan;
 mod scatter;

@@ -42,20 +42,39 @@ pub(crate) fn refuse_beaten(
         !(contest.saved > 0.0) || contest.opponents.iter().any(better)
     });
     if beaten {
+        let named = named(bench, selected);
+        selected.refused.push(format!(
+            "{named} came in, but once all was fitted it saved nothing, or another cause did better in its place: not named"
+        ));
         take_all_back(bench, selected);
     }
     beaten
 }
 
+/// The named causes in words.
+fn named(bench: &Bench<'_>, selected: &Selected) -> String {
+    let effects = selected.stand.fitted.effects.iter();
+    let ids: Vec<&str> = effects.map(|&e| bench.catalogue[e].id()).collect();
+    ids.join(" with ")
+}
+
 /// Where a named cause does not act everywhere that its signature says, or where causes pile up, nothing is named: the
 /// structure has another cause.
 fn refuse_uneven(bench: &Bench<'_>, selected: &mut Selected) {
-    let count = selected.stand.fitted.effects.len();
-    if count < MOST_EFFECTS
-        && (0..count).all(|k| is_uniform(bench, &selected.subset, &selected.stand, k))
-    {
+    let effects = &selected.stand.fitted.effects;
+    let uneven = |k: &usize| !is_uniform(bench, &selected.subset, &selected.stand, *k);
+    let why = if effects.len() >= MOST_EFFECTS {
+        "one cause outside the catalogue is likelier than so many in it".to_owned()
+    } else if let Some(k) = (0..effects.len()).find(uneven) {
+        let id = bench.catalogue[effects[k]].id();
+        format!("{id} does not act alike in all runs, places and times, as it would have to")
+    } else {
         return;
-    }
+    };
+    let named = named(bench, selected);
+    selected
+        .refused
+        .push(format!("{named} fits best, but {why}: not named"));
     take_all_back(bench, selected);
 }
 
@@ -76,9 +95,13 @@ fn refuse_another_law(bench: &Bench<'_>, selected: &mut Selected) {
     let explained = selected.baseline.deviance - selected.stand.deviance;
     if effects.len() == 2 && first_alone(bench, selected) >= DOMINANT * explained {
         keep_first(bench, selected);
-    } else {
-        take_all_back(bench, selected);
+        return;
     }
+    let named = named(bench, selected);
+    selected.refused.push(format!(
+        "{named} fits best, but a law whose curve needs several corrections at once is another law: not named"
+    ));
+    take_all_back(bench, selected);
 }
 
 /// The fit with the first named cause alone.
@@ -147,6 +170,10 @@ fn refuse_beside_step(bench: &Bench<'_>, selected: &mut Selected, margin: f64) {
         return;
     }
     let fitted = law.fitted.clone();
+    let named = named(bench, selected);
+    selected.refused.push(format!(
+        "{named} explains less than one step of friction somewhere on the plate would: not named"
+    ));
     selected.stand = Stand::new(bench, &selected.subset, fitted, selected.stand.sizes);
     selected.entry_log_p.clear();
     selected.left = Lack {
@@ -244,6 +271,11 @@ fn keep_dominant(bench: &Bench<'_>, selected: &mut Selected) {
         keep_first(bench, selected);
         return;
     }
+    let named = named(bench, selected);
+    selected.refused.push(format!(
+        "{named} would explain {:.0} % of what is seen beside the law, and nothing explains the rest: not named",
+        100.0 * share
+    ));
     selected.entry_log_p.clear();
     let law = selected.baseline.fitted.clone();
     stand_with(bench, selected, law);

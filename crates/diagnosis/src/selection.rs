@@ -77,6 +77,8 @@ pub(crate) struct Selected {
     pub(crate) singles: Vec<Single>,
     /// The runs that were looked at, as late as they tell of the plate.
     pub(crate) subset: Subset,
+    /// What was found and taken back, and why, in words.
+    pub(crate) refused: Vec<String>,
 }
 
 /// Where a selection may start from.
@@ -320,6 +322,7 @@ fn select_beside(
         entry_log_p: entry,
         singles,
         subset,
+        refused: Vec::new(),
     };
     take_back(bench, &mut selected, -2.0 * threshold);
     Some(selected)
