@@ -49,7 +49,7 @@ fn thresholds(design: &Design) {
         let rival = nearest.map_or_else(String::new, |(j, s)| {
             format!("{} ({})", design.thresholds[j].cause, significant(s))
         });
-        say!("{}. {} | {size} | {rival}", i + 1, threshold.cause);
+        say!("{} | {size} | {rival}", threshold.cause);
     }
 }
 
@@ -59,7 +59,7 @@ fn matrix(design: &Design) {
         return;
     }
     say!(
-        "isolability matrix (hundredths of the sine between two signatures; 0: one and the same, 99: nothing in common; numbers as above)"
+        "isolability matrix (hundredths of the sine between two signatures; 0: one and the same, 99: nothing in common)"
     );
     let columns = 1..=design.isolability.len();
     let head: Vec<String> = columns.map(|j| format!("{j:>2}")).collect();
