@@ -189,6 +189,7 @@ pub(crate) fn judge(
     };
     let law = pool(&|f| &f.law);
     let extended = pool(&|f| &f.extended);
+    let found = pool(&|f| &f.named);
     // Errors are weighed by the noise only where the record that was searched is the whole one.
     let beside = |prediction: &dyn Fn(&Fold) -> &[f64]| {
         Errors::pool(bench, weighed.as_ref(), &done, prediction).judged()
@@ -204,12 +205,7 @@ pub(crate) fn judge(
     };
     let joint = (!named.is_empty()).then(|| judged.gain(&law, &extended));
     let weighs = !named.is_empty() && judged.weighed.is_some();
-    let seen = weighs.then(|| {
-        let of = |prediction: &dyn Fn(&Fold) -> &[f64]| {
-            Errors::pool(whole.bench, judged.weighed.as_ref(), &done, prediction).judged()
-        };
-        of(&|f| &f.law) - of(&|f| &f.named)
-    });
+    let seen = weighs.then(|| law.judged() - found.judged());
     let each = (0..named.len())
         .map(|k| {
             let lacking = Errors::pool(whole.bench, judged.weighed.as_ref(), &done, &|f| {

@@ -42,20 +42,19 @@ pub(crate) fn refuse_beaten(
         !(contest.saved > 0.0) || contest.opponents.iter().any(better)
     });
     if beaten {
-        let named = named(bench, selected);
-        selected.refused.push(format!(
-            "{named} came in, but once all was fitted it saved nothing, or another cause did better in its place: not named"
-        ));
+        let why = "came in, but once all was fitted it saved nothing, or another cause did better in its place";
+        say_why(bench, selected, why);
         take_all_back(bench, selected);
     }
     beaten
 }
 
-/// The named causes in words.
-fn named(bench: &Bench<'_>, selected: &Selected) -> String {
+/// Keeps for the reader why the causes that are named until now will not be.
+fn say_why(bench: &Bench<'_>, selected: &mut Selected, why: &str) {
     let effects = selected.stand.fitted.effects.iter();
     let ids: Vec<&str> = effects.map(|&e| bench.catalogue[e].id()).collect();
-    ids.join(" with ")
+    let named = ids.join(" with ");
+    selected.refused.push(format!("{named} {why}: not named"));
 }
 
 /// Where a named cause does not act everywhere that its signature says, or where causes pile up, nothing is named: the
@@ -64,17 +63,16 @@ fn refuse_uneven(bench: &Bench<'_>, selected: &mut Selected) {
     let effects = &selected.stand.fitted.effects;
     let uneven = |k: &usize| !is_uniform(bench, &selected.subset, &selected.stand, *k);
     let why = if effects.len() >= MOST_EFFECTS {
-        "one cause outside the catalogue is likelier than so many in it".to_owned()
+        "fits best, but one cause outside the catalogue is likelier than so many in it".to_owned()
     } else if let Some(k) = (0..effects.len()).find(uneven) {
         let id = bench.catalogue[effects[k]].id();
-        format!("{id} does not act alike in all runs, places and times, as it would have to")
+        format!(
+            "fits best, but {id} does not act alike in all runs, places and times, as it would have to"
+        )
     } else {
         return;
     };
-    let named = named(bench, selected);
-    selected
-        .refused
-        .push(format!("{named} fits best, but {why}: not named"));
+    say_why(bench, selected, &why);
     take_all_back(bench, selected);
 }
 
@@ -97,10 +95,8 @@ fn refuse_another_law(bench: &Bench<'_>, selected: &mut Selected) {
         keep_first(bench, selected);
         return;
     }
-    let named = named(bench, selected);
-    selected.refused.push(format!(
-        "{named} fits best, but a law whose curve needs several corrections at once is another law: not named"
-    ));
+    let why = "fits best, but a law whose curve needs several corrections at once is another law";
+    say_why(bench, selected, why);
     take_all_back(bench, selected);
 }
 
@@ -170,10 +166,8 @@ fn refuse_beside_step(bench: &Bench<'_>, selected: &mut Selected, margin: f64) {
         return;
     }
     let fitted = law.fitted.clone();
-    let named = named(bench, selected);
-    selected.refused.push(format!(
-        "{named} explains less than one step of friction somewhere on the plate would: not named"
-    ));
+    let why = "explains less than one step of friction somewhere on the plate would";
+    say_why(bench, selected, why);
     selected.stand = Stand::new(bench, &selected.subset, fitted, selected.stand.sizes);
     selected.entry_log_p.clear();
     selected.left = Lack {
@@ -271,11 +265,11 @@ fn keep_dominant(bench: &Bench<'_>, selected: &mut Selected) {
         keep_first(bench, selected);
         return;
     }
-    let named = named(bench, selected);
-    selected.refused.push(format!(
-        "{named} would explain {:.0} % of what is seen beside the law, and nothing explains the rest: not named",
+    let why = format!(
+        "would explain {:.0} % of what is seen beside the law, and nothing explains the rest",
         100.0 * share
-    ));
+    );
+    say_why(bench, selected, &why);
     selected.entry_log_p.clear();
     let law = selected.baseline.fitted.clone();
     stand_with(bench, selected, law);

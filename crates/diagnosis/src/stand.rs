@@ -176,26 +176,32 @@ impl Stand {
 
     /// The gains of the runs beside the fit, the model's directions left in them.
     pub(crate) fn between_runs(&self) -> BetweenRuns {
-        let eigen = self.white_gains.tr_mul(&self.white_gains).symmetric_eigen();
-        let gains = &self.white_gains * &eigen.eigenvectors;
+        let (gains, lambda) = self.turned_gains();
         BetweenRuns {
             turned: gains.tr_mul(&self.white).iter().copied().collect(),
-            lambda: eigen.eigenvalues.iter().copied().collect(),
+            lambda,
             residual: self.white.clone(),
             gains,
         }
     }
 
+    /// W H E and lambda of (W H)'(W H) = E diag(lambda) E'.
+    fn turned_gains(&self) -> (DMatrix<f64>, Vec<f64>) {
+        let eigen = self.white_gains.tr_mul(&self.white_gains).symmetric_eigen();
+        let gains = &self.white_gains * &eigen.eigenvectors;
+        (gains, eigen.eigenvalues.iter().copied().collect())
+    }
+
     /// V(s)^-1/2 W J: the whitened Jacobian with the scatter between runs whitened too.
     pub(crate) fn white_descattered(&self, scatter: f64) -> DMatrix<f64> {
-        let eigen = self.white_gains.tr_mul(&self.white_gains).symmetric_eigen();
+        let (gains, lambda) = self.turned_gains();
         let mut out = self.white_jacobian.clone();
-        let largest = eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
-        for (k, l) in eigen.eigenvalues.iter().enumerate() {
+        let largest = lambda.iter().copied().fold(0.0, f64::max);
+        for (gain, l) in gains.column_iter().zip(&lambda) {
             if *l <= 1e-12 * largest {
                 continue;
             }
-            let u = &self.white_gains * eigen.eigenvectors.column(k) / l.sqrt();
+            let u = gain / l.sqrt();
             let shrink = 1.0 - 1.0 / (1.0 + scatter * scatter * l).sqrt();
             let along = u.transpose() * &self.white_jacobian;
             out -= &u * along * shrink;

@@ -354,20 +354,13 @@ impl<D: ChainScalar> Pass<'_, D> {
             return tension(held);
         }
         // nothing that is seeded reaches the cord: values suffice
-        let real = |series: &[D]| series.iter().map(Scalar::value).collect::<Vec<f64>>();
-        let velocity = real(held.record.velocity);
-        let curve_speed = held.record.curve_speed.map(real);
-        let rest_gain = held.record.rest_gain.map(real);
-        let factor = held.factor.map(real);
+        let reals = held.record.real();
+        let factor: Option<Vec<f64>> = held
+            .factor
+            .map(|factor| factor.iter().map(Scalar::value).collect());
         let values = tension(&Corded {
             law: &held.law.real(),
-            record: Record {
-                time_s: held.record.time_s,
-                velocity: &velocity,
-                curve_speed: curve_speed.as_deref(),
-                rest_gain: rest_gain.as_deref(),
-                knots: held.record.knots,
-            },
+            record: reals.record(),
             every_sample: held.every_sample,
             load_n: held.load_n,
             factor: factor.as_deref(),

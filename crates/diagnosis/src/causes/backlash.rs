@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use friction::{ParameterSpec, Scalar};
 use rig::{Cause, Experiment, Place, Reach, Reported, Requirement, RunMotion, Station};
 
-use super::grids;
+use super::{grids, marker};
 
 const DESCRIPTION: &str = "Play is crossed after a reversal before force builds.";
 
@@ -123,12 +123,11 @@ impl Cause for CarriedBacklash {
     }
 
     fn reported(&self, fitted: &[f64]) -> Vec<Reported> {
-        let carried = Reported { name: CARRIED, unit: "1", value: 1.0, gradient: vec![0.0] };
-        Backlash.reported(fitted).into_iter().chain([carried]).collect()
+        marker::marked(Backlash.reported(fitted), CARRIED)
     }
 
     fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
-        reported.get(CARRIED).ok_or_else(|| CARRIED.to_owned())?;
+        marker::demanded(reported, CARRIED)?;
         Backlash.from_reported(reported)
     }
 

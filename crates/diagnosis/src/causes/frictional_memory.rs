@@ -8,7 +8,7 @@ use friction::{LawKind, ParameterSpec, Scalar};
 use rig::signal::lag_step;
 use rig::{Cause, Experiment, Place, Reach, Reported, Requirement, Station};
 
-use super::grids;
+use super::{grids, marker};
 
 const DESCRIPTION: &str = "Friction follows the speed with a memory.";
 
@@ -123,16 +123,6 @@ fn lag_along<D: Scalar>(slid_m: &[f64], speed: &mut [D], distance: D) {
 /// Beside the memory, what tells that of the magnitude in a file.
 const OF_MAGNITUDE: &str = "of_the_magnitude";
 
-fn with_magnitude(mut reported: Vec<Reported>) -> Vec<Reported> {
-    reported.push(Reported {
-        name: OF_MAGNITUDE,
-        unit: "1",
-        value: 1.0,
-        gradient: vec![0.0],
-    });
-    reported
-}
-
 fn magnitudes<D: Scalar>(speed: &mut [D]) {
     speed.iter_mut().for_each(|u| *u = u.magnitude());
 }
@@ -179,11 +169,11 @@ impl Cause for MagnitudeInTime {
     }
 
     fn reported(&self, fitted: &[f64]) -> Vec<Reported> {
-        with_magnitude(MemoryInTime.reported(fitted))
+        marker::marked(MemoryInTime.reported(fitted), OF_MAGNITUDE)
     }
 
     fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
-        reported.get(OF_MAGNITUDE).ok_or_else(|| OF_MAGNITUDE.to_owned())?;
+        marker::demanded(reported, OF_MAGNITUDE)?;
         MemoryInTime.from_reported(reported)
     }
 
@@ -235,11 +225,11 @@ impl Cause for MagnitudeInDistance {
     }
 
     fn reported(&self, fitted: &[f64]) -> Vec<Reported> {
-        with_magnitude(MemoryInDistance.reported(fitted))
+        marker::marked(MemoryInDistance.reported(fitted), OF_MAGNITUDE)
     }
 
     fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
-        reported.get(OF_MAGNITUDE).ok_or_else(|| OF_MAGNITUDE.to_owned())?;
+        marker::demanded(reported, OF_MAGNITUDE)?;
         MemoryInDistance.from_reported(reported)
     }
 

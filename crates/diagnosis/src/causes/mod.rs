@@ -3,6 +3,7 @@
 //! A new cause is a file here and one line in the list below.
 
 mod grids;
+mod marker;
 mod periodic;
 
 macro_rules! catalogue {

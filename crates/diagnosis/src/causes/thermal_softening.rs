@@ -7,9 +7,7 @@ use std::collections::BTreeMap;
 use friction::{ParameterSpec, Scalar};
 use rig::{Cause, Experiment, Place, Reach, Reported, Requirement, Station};
 
-use super::grids;
-
-const DESCRIPTION: &str = "Friction falls with frictional heat and recovers during rests.";
+use super::{grids, marker};
 
 /// Friction falls with frictional heat and recovers during rests.
 #[derive(Clone, Copy, Debug)]
@@ -34,7 +32,7 @@ impl Cause for ThermalSoftening {
     }
 
     fn describe(&self) -> &'static str {
-        DESCRIPTION
+        "Friction falls with frictional heat and recovers during rests."
     }
 
     fn parameters(&self) -> &'static [ParameterSpec] {
@@ -42,7 +40,13 @@ impl Cause for ThermalSoftening {
     }
 
     fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
-        bounds(experiment)
+        // typical: a loss of a twentieth by the work of one run
+        let work = 0.5 * experiment.scales.force_n * grids::slid_m(experiment).0;
+        let (run, day) = (grids::duration_s(experiment), grids::day_s(experiment));
+        vec![
+            grids::bounded(&PARAMETERS[0], 0.0, 20.0 / work, 0.05 / work),
+            grids::bounded(&PARAMETERS[1], 0.02 * run, 30.0 * day, run),
+        ]
     }
 
     fn requirements(&self) -> &'static [Requirement] {
@@ -94,7 +98,7 @@ impl Cause for LevellingSoftening {
     }
 
     fn describe(&self) -> &'static str {
-        DESCRIPTION
+        ThermalSoftening.describe()
     }
 
     fn parameters(&self) -> &'static [ParameterSpec] {
@@ -102,7 +106,7 @@ impl Cause for LevellingSoftening {
     }
 
     fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
-        bounds(experiment)
+        ThermalSoftening.parameters_for(experiment)
     }
 
     fn requirements(&self) -> &'static [Requirement] {
@@ -110,7 +114,7 @@ impl Cause for LevellingSoftening {
     }
 
     fn memory(&self) -> usize {
-        1
+        ThermalSoftening.memory()
     }
 
     // A small effect is that of the first form: few tangents will do.
@@ -119,12 +123,11 @@ impl Cause for LevellingSoftening {
     }
 
     fn reported(&self, fitted: &[f64]) -> Vec<Reported> {
-        let levels_off = Reported { name: LEVELS_OFF, unit: "1", value: 1.0, gradient: vec![0.0; 2] };
-        ThermalSoftening.reported(fitted).into_iter().chain([levels_off]).collect()
+        marker::marked(ThermalSoftening.reported(fitted), LEVELS_OFF)
     }
 
     fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
-        reported.get(LEVELS_OFF).ok_or_else(|| LEVELS_OFF.to_owned())?;
+        marker::demanded(reported, LEVELS_OFF)?;
         ThermalSoftening.from_reported(reported)
     }
 
@@ -142,16 +145,6 @@ impl Cause for LevellingSoftening {
         };
         soften.run(at, friction_n, factor, &mut memory[0]);
     }
-}
-
-fn bounds(experiment: &Experiment) -> Vec<ParameterSpec> {
-    // typical: a loss of a twentieth by the work of one run
-    let work = 0.5 * experiment.scales.force_n * grids::slid_m(experiment).0;
-    let (run, day) = (grids::duration_s(experiment), grids::day_s(experiment));
-    vec![
-        grids::bounded(&PARAMETERS[0], 0.0, 20.0 / work, 0.05 / work),
-        grids::bounded(&PARAMETERS[1], 0.02 * run, 30.0 * day, run),
-    ]
 }
 
 /// Time constants of cooling at which the scan looks.
