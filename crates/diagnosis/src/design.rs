@@ -6,11 +6,13 @@ use std::sync::OnceLock;
 
 use campaign::{Campaign, InitialState};
 use fitting::noise::Sizes;
+use nalgebra::DMatrix;
+use rayon::prelude::*;
 
 use crate::answer::{Design, Hidden, NoiseFloor};
 use crate::bench::Fitted;
 use crate::diagnose::{DiagnosisError, Options};
-use crate::equivalence::sine;
+use crate::equivalence::{flattened, sine};
 use crate::floor;
 use crate::intervals::unit_on_rig;
 use crate::prepare::bench;
@@ -115,14 +117,13 @@ pub fn design(campaign: &Campaign, options: &Options) -> Result<Design, Diagnosi
             }
         })
         .collect();
-    let isolability = candidates
+    let flat: Vec<Vec<DMatrix<f64>>> = candidates
+        .par_iter()
+        .map(|c| flattened(&stand.ground, &found.rays, c.cause, sizes.scatter))
+        .collect();
+    let isolability = flat
         .iter()
-        .map(|a| {
-            candidates
-                .iter()
-                .map(|b| sine(&stand.ground, &found.rays, a.cause, b.cause, sizes.scatter))
-                .collect()
-        })
+        .map(|a| flat.iter().map(|b| sine(a, b)).collect())
         .collect();
     thresholds.extend(found.absorbed.iter().map(|&c| Hidden {
         cause: bench.catalogue[c].id().into(),

@@ -243,31 +243,27 @@ fn nearest(
         .min_by(f64::total_cmp)
 }
 
-/// Sine of the angle between two causes' nearest rays.
-pub(crate) fn sine(ground: &Ground, rays: &[Ray], a: usize, b: usize, scatter: f64) -> Option<f64> {
-    let flat = |cause: usize| -> Vec<DMatrix<f64>> {
-        rays.iter()
-            .filter(|r| r.cause == cause)
-            .map(|r| orthonormal(&ground.descatter(&r.direction.columns, scatter), 1e-6).0)
-            .filter(|m| m.ncols() > 0)
-            .collect()
-    };
-    let (left, right) = (flat(a), flat(b));
-    let mut best: Option<f64> = None;
-    for x in &left {
-        for y in &right {
-            let cosine = x
-                .tr_mul(y)
-                .singular_values()
-                .iter()
-                .copied()
-                .fold(0.0_f64, f64::max)
-                .min(1.0);
-            let sine = (1.0 - cosine * cosine).sqrt();
-            if best.is_none_or(|s| sine < s) {
-                best = Some(sine);
-            }
-        }
-    }
-    best
+/// Orthonormal columns of each of a cause's rays, the scatter between runs whitened too: plain inner products hold between them.
+pub(crate) fn flattened(
+    ground: &Ground,
+    rays: &[Ray],
+    cause: usize,
+    scatter: f64,
+) -> Vec<DMatrix<f64>> {
+    rays.iter()
+        .filter(|ray| ray.cause == cause)
+        .map(|ray| orthonormal(&ground.descatter(&ray.direction.columns, scatter), 1e-6).0)
+        .filter(|columns| columns.ncols() > 0)
+        .collect()
+}
+
+/// Sine of the angle between two causes' nearest rays, given flattened; `None` where one has none.
+pub(crate) fn sine(left: &[DMatrix<f64>], right: &[DMatrix<f64>]) -> Option<f64> {
+    let pairs = left.iter().flat_map(|x| right.iter().map(move |y| (x, y)));
+    pairs
+        .map(|(x, y)| {
+            let cosine = x.tr_mul(y).singular_values().max().min(1.0);
+            (1.0 - cosine * cosine).sqrt()
+        })
+        .min_by(f64::total_cmp)
 }

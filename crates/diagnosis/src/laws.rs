@@ -1,8 +1,8 @@
 //! All laws on the same data under one noise model: which of them fits better.
 //!
-//! Each law is fitted alone as if it had been asked for, under noise that multiplies its own friction. They are compared under
-//! one noise, that beneath the law r whose first fit errs least, with its scatter between runs: a run's gain belongs to the rig
-//! and not to the law. Were the scatter each law's own, one that predicts next to nothing would call the whole record gains and
+//! Each law is fitted alone as if it had been asked for (the one that was is fitted already), under noise that multiplies its own
+//! friction. They are compared under one noise, that beneath the law r whose first fit errs least, with its scatter between runs: a
+//! run's gain belongs to the rig and not to the law. Were the scatter each law's own, one that predicts next to nothing would call the whole record gains and
 //! pay a logarithm a run. With p parameters (the scatter among them) and n samples
 //!
 //! ```text
@@ -41,7 +41,10 @@ pub(crate) fn compare(bench: &Bench<'_>, whole: &Whole<'_>, selected: &Selected)
     let subset = &selected.subset;
     let mut laws: Vec<Contender<'_>> = LawKind::ALL
         .par_iter()
-        .filter_map(|&law| Contender::new(bench, subset, law))
+        .filter_map(|&law| {
+            let own = (law == bench.law).then(|| selected.baseline.fitted.clone());
+            Contender::new(bench, subset, law, own)
+        })
         .collect();
     let Some(nearest) = laws.iter().min_by(|a, b| a.error().total_cmp(&b.error())) else {
         return Vec::new();
@@ -81,9 +84,17 @@ struct Contender<'a> {
 }
 
 impl<'a> Contender<'a> {
-    /// A law from its own starts. `None` where it does not go with the campaign.
-    fn new(bench: &Bench<'a>, subset: &Subset, law: LawKind) -> Option<Self> {
+    /// A law as it is `fitted` already, or from its own starts. `None` where it does not go with the campaign.
+    fn new(
+        bench: &Bench<'a>,
+        subset: &Subset,
+        law: LawKind,
+        fitted: Option<Fitted>,
+    ) -> Option<Self> {
         let bench = with_law(bench, law)?;
+        if let Some(fitted) = fitted {
+            return Some(Self { bench, fitted });
+        }
         // Half of what a law's residual is under this noise where it fits as well as noise allows, times how much worse is out of
         // the race.
         let hopeless = HOPELESS * 0.5 * subset.len() as f64;

@@ -1,11 +1,13 @@
 //! What a design cannot tell apart, whatever the size: causes that the law absorbs, causes whose signatures are one, and
 //! causes for which the campaign lacks what they need.
 
+use nalgebra::DMatrix;
+use rayon::prelude::*;
 use rig::Cause;
 
 use crate::answer::Undecidable;
 use crate::bench::Bench;
-use crate::equivalence::sine;
+use crate::equivalence::{flattened, sine};
 use crate::experiment::{Hypothesis, Proposal, propose};
 use crate::scan::{Scan, extended};
 use crate::stand::Stand;
@@ -24,13 +26,18 @@ pub(crate) fn ties(
     let mut causes: Vec<usize> = scan.candidates.iter().map(|c| c.cause).collect();
     causes.sort_unstable();
     causes.retain(|&c| !bench.catalogue[c].is_periodic());
+    let flat: Vec<Vec<DMatrix<f64>>> = causes
+        .par_iter()
+        .map(|&cause| flattened(&stand.ground, &scan.rays, cause, scatter))
+        .collect();
     let mut group: Vec<usize> = (0..causes.len()).collect();
     for i in 0..causes.len() {
         for j in 0..i {
             let same = bench.catalogue[causes[i]].id() == bench.catalogue[causes[j]].id();
-            let close = sine(&stand.ground, &scan.rays, causes[i], causes[j], scatter)
-                .is_some_and(|s| s < ONE);
-            if close && !same && group[i] != group[j] {
+            if same || group[i] == group[j] {
+                continue;
+            }
+            if sine(&flat[i], &flat[j]).is_some_and(|s| s < ONE) {
                 let (a, b) = (group[i], group[j]);
                 group.iter_mut().filter(|g| **g == a).for_each(|g| *g = b);
             }
