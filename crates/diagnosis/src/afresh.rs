@@ -273,7 +273,7 @@ impl Search<'_> {
         let mut starts: Vec<Fitted> = with_laws(&stand.fitted.parameters, suggested)
             .into_iter()
             .filter_map(|parameters| {
-                let prediction = model.predict(&bench.experiment, &parameters);
+                let (prediction, paths) = model.predict_and_keep(&bench.experiment, &parameters);
                 let residual = self.subset.gather(&prediction) - &measured;
                 let cost = 0.5 * self.whitener.whiten(&residual).norm_squared();
                 cost.is_finite().then(|| Fitted {
@@ -284,6 +284,7 @@ impl Search<'_> {
                     cost,
                     converged: false,
                     friction: OnceLock::new(),
+                    paths: paths.into(),
                 })
             })
             .collect();
@@ -329,7 +330,15 @@ impl Search<'_> {
             let Some(model) = models.first() else {
                 continue;
             };
-            let ranked = ranked(self.bench, self.subset, &self.whitener, model, starts);
+            let paths = law.paths(self.bench);
+            let ranked = ranked(
+                self.bench,
+                self.subset,
+                &self.whitener,
+                model,
+                starts,
+                paths,
+            );
             nearest.extend(ranked.into_iter().next());
         }
         nearest.sort_by(|a, b| a.0.total_cmp(&b.0));

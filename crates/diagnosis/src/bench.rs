@@ -1,6 +1,6 @@
 //! The bench: one campaign with its law and catalogue, fits of a law with effects, and the noise beneath them.
 
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock};
 
 use campaign::Campaign;
 use fitting::noise::{EstimateOptions, NoiseModel, Search, Sizes, Whitener, estimate};
@@ -8,7 +8,7 @@ use fitting::{Bounds, Options as SolverOptions, Residuals, minimise};
 use friction::LawKind;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use rig::{Cause, Experiment, Model};
+use rig::{Cause, Experiment, Model, Paths};
 
 use crate::condense::Condensed;
 use crate::prior::{Prior, append_prior, with_prior_rows};
@@ -50,13 +50,23 @@ pub(crate) struct Fitted {
     pub(crate) converged: bool,
     /// See [`Fitted::friction`].
     pub(crate) friction: OnceLock<Vec<f64>>,
+    /// See [`Fitted::paths`].
+    pub(crate) paths: OnceLock<Paths>,
 }
 
 impl Fitted {
     /// The part of the prediction that follows friction, stacked over all runs; computed when it is first asked for.
     pub(crate) fn friction(&self, bench: &Bench<'_>) -> &[f64] {
-        self.friction
-            .get_or_init(|| self.model.friction(&bench.experiment, &self.parameters))
+        self.friction.get_or_init(|| {
+            let known = self.paths.get().unwrap_or(Paths::NONE);
+            (self.model).friction_beside(&bench.experiment, &self.parameters, known)
+        })
+    }
+
+    /// The paths of the contact's state, walked when they are first asked for: what a further cause does is computed along them.
+    pub(crate) fn paths(&self, bench: &Bench<'_>) -> &Paths {
+        let walk = || (self.model).predict_and_keep(&bench.experiment, &self.parameters);
+        self.paths.get_or_init(|| walk().1)
     }
 
     /// Whether the model holds a cause, in this form or another one.
@@ -110,18 +120,45 @@ struct Problem<'a> {
     model: &'a Model,
     whitener: &'a Whitener,
     measured: DVector<f64>,
+    /// The point that was looked at last: a step that is taken is looked at again, for its derivatives.
+    last: Mutex<Option<Looked>>,
+}
+
+/// Residuals at a point, and the paths of the contact's state there.
+#[derive(Clone)]
+struct Looked {
+    parameters: Vec<f64>,
+    residuals: DVector<f64>,
+    paths: Paths,
+}
+
+impl Problem<'_> {
+    fn look(&self, parameters: &[f64]) -> Looked {
+        let (predicted, paths) = (self.model).predict_and_keep(&self.bench.experiment, parameters);
+        let r = self.subset.gather(&predicted) - &self.measured;
+        let prior = self.bench.prior.as_ref();
+        Looked {
+            parameters: parameters.to_vec(),
+            // The residual here is predicted less measured.
+            residuals: -with_prior_rows(prior, -self.whitener.whiten(&r), parameters),
+            paths,
+        }
+    }
+
+    /// The point that was looked at last, if it is this one.
+    fn looked_at(&self, parameters: &[f64]) -> Option<Looked> {
+        let last = self.last.lock().expect("no look panics");
+        let here = last.as_ref().filter(|l| l.parameters == parameters);
+        here.cloned()
+    }
 }
 
 impl Residuals for Problem<'_> {
     fn residuals(&self, parameters: &[f64]) -> DVector<f64> {
-        let predicted = self.model.predict(&self.bench.experiment, parameters);
-        let r = self.subset.gather(&predicted) - &self.measured;
-        // The residual here is predicted less measured.
-        -with_prior_rows(
-            self.bench.prior.as_ref(),
-            -self.whitener.whiten(&r),
-            parameters,
-        )
+        let looked = self.look(parameters);
+        let residuals = looked.residuals.clone();
+        *self.last.lock().expect("no look panics") = Some(looked);
+        residuals
     }
 
     fn jacobian(&self, parameters: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
@@ -134,23 +171,15 @@ impl Residuals for Problem<'_> {
         parameters: &[f64],
         columns: &[usize],
     ) -> (DVector<f64>, DMatrix<f64>) {
-        let (predicted, jacobian) =
-            self.model
-                .predict_with_jacobian(&self.bench.experiment, parameters, Some(columns));
-        let r = self.subset.gather(&predicted) - &self.measured;
+        let looked = self
+            .looked_at(parameters)
+            .unwrap_or_else(|| self.look(parameters));
+        let experiment = &self.bench.experiment;
+        let jacobian = (self.model).jacobian_beside(experiment, parameters, columns, &looked.paths);
+        let white = (self.whitener).whiten_columns(&self.subset.gather_columns(&jacobian));
         let owners: Vec<Option<usize>> = columns.iter().map(|&c| Some(c)).collect();
-        // The residual travels with the Jacobian: columns are whitened side by side.
-        let both = self.subset.gather_columns(&jacobian);
-        let count = both.ncols();
-        let mut both = both.resize_horizontally(count + 1, 0.0);
-        both.set_column(count, &r);
-        let both = self.whitener.whiten_columns(&both);
-        let r = -with_prior_rows(self.bench.prior.as_ref(), -both.column(count), parameters);
-        let jacobian = both.columns(0, count).into_owned();
-        (
-            r,
-            append_prior(self.bench.prior.as_ref(), jacobian, &owners),
-        )
+        let prior = self.bench.prior.as_ref();
+        (looked.residuals, append_prior(prior, white, &owners))
     }
 }
 
@@ -198,6 +227,7 @@ impl<'a> Bench<'a> {
             model: &model,
             whitener,
             measured: subset.gather(target.unwrap_or(&self.experiment.measured_n)),
+            last: Mutex::new(None),
         };
         let options = SolverOptions {
             reduction_tolerance: 1e-7,
@@ -215,7 +245,12 @@ impl<'a> Bench<'a> {
         {
             fit = other;
         }
-        let prediction = model.predict(&self.experiment, &fit.parameters);
+        let paths: OnceLock<Paths> = match problem.looked_at(&fit.parameters) {
+            Some(looked) => looked.paths.into(),
+            None => OnceLock::new(),
+        };
+        let known = paths.get().unwrap_or(Paths::NONE);
+        let prediction = model.predict_beside(&self.experiment, &fit.parameters, known);
         Some(Fitted {
             effects: effects.to_vec(),
             prediction,
@@ -224,6 +259,7 @@ impl<'a> Bench<'a> {
             parameters: fit.parameters,
             model,
             friction: OnceLock::new(),
+            paths,
         })
     }
 
@@ -351,7 +387,7 @@ impl<'a> Bench<'a> {
             .iter()
             .map(|start| model.at_null(start, &self.experiment))
             .collect();
-        let ranked = ranked(self, subset, &whitener, &model, wholes);
+        let ranked = ranked(self, subset, &whitener, &model, wholes, Paths::NONE);
         let mut from: Vec<Vec<f64>> = ranked.into_iter().map(|(_, whole)| whole).collect();
         let mut best: Option<Fitted> = None;
         for (round, (most, steps)) in LAW_ROUNDS.into_iter().enumerate() {
@@ -475,10 +511,11 @@ impl<'a> Bench<'a> {
     pub(crate) fn jacobian(&self, subset: &Subset, fitted: &Fitted) -> (DMatrix<f64>, Vec<usize>) {
         let free = movable(&fitted.model, subset, self.samples.runs.len());
         let columns: Vec<usize> = (0..free.len()).filter(|&k| free[k]).collect();
-        let (_, jacobian) = fitted.model.predict_with_jacobian(
+        let jacobian = fitted.model.jacobian_beside(
             &self.experiment,
             &fitted.parameters,
-            Some(&columns),
+            &columns,
+            fitted.paths(self),
         );
         (jacobian, columns)
     }

@@ -94,6 +94,7 @@ pub fn design(campaign: &Campaign, options: &Options) -> Result<Design, Diagnosi
         cost: 0.0,
         converged: true,
         friction: OnceLock::new(),
+        paths: OnceLock::new(),
     };
     let stand = Stand::new(&bench, &subset, fitted, sizes);
     let found = scan_nominal(&bench, &subset, &stand, sizes.scatter);

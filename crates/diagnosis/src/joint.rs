@@ -121,7 +121,8 @@ fn nearest(
     let Some(model) = bench.model(&effects) else {
         return Vec::new();
     };
-    let ranked = ranked(bench, subset, whitener, &model, starts);
+    let paths = fitted.paths(bench);
+    let ranked = ranked(bench, subset, whitener, &model, starts, paths);
     ranked.into_iter().take(taken).map(|r| r.1).collect()
 }
 

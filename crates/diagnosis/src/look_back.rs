@@ -304,6 +304,7 @@ pub(crate) fn bare(bench: &Bench<'_>, fitted: &Fitted, k: usize) -> Option<Fitte
         cost: f64::INFINITY,
         converged: fitted.converged,
         friction: OnceLock::new(),
+        paths: OnceLock::new(),
     })
 }
 

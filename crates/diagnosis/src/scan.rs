@@ -138,7 +138,8 @@ pub(crate) fn tangent(
         .iter()
         .map(|i| first + i)
         .collect();
-    let (_, jacobian) = model.predict_with_jacobian(&bench.experiment, &p, Some(&columns));
+    let paths = fitted.paths(bench);
+    let jacobian = model.jacobian_beside(&bench.experiment, &p, &columns, paths);
     jacobian.iter().all(|x| x.is_finite()).then_some(Signature {
         cause,
         at: at.to_vec(),
@@ -150,7 +151,7 @@ pub(crate) fn tangent(
 /// The chord from the fit to a plausible size of a cause.
 fn chord(bench: &Bench<'_>, fitted: &Fitted, cause: usize, at: &[f64]) -> Option<Signature> {
     let (model, p) = extended(bench, fitted, cause, at)?;
-    let there = model.predict(&bench.experiment, &p);
+    let there = model.predict_beside(&bench.experiment, &p, fitted.paths(bench));
     let columns = DMatrix::from_iterator(
         there.len(),
         1,

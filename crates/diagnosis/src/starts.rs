@@ -3,7 +3,7 @@
 use fitting::noise::Whitener;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use rig::Model;
+use rig::{Model, Paths};
 
 use crate::bench::Bench;
 use crate::subset::Subset;
@@ -19,13 +19,14 @@ pub(crate) fn with_laws(whole: &[f64], laws: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
 }
 
 /// Starts of a model with their cost |W (predicted - measured)|^2, the nearest first; those without a finite prediction are left
-/// out. Columns are whitened side by side, which is cheaper than one by one.
+/// out. `paths` may be those of any law among the starts. Columns are whitened side by side, which is cheaper than one by one.
 pub(crate) fn ranked(
     bench: &Bench<'_>,
     subset: &Subset,
     whitener: &Whitener,
     model: &Model,
     starts: Vec<Vec<f64>>,
+    paths: &Paths,
 ) -> Vec<(f64, Vec<f64>)> {
     if starts.is_empty() {
         return Vec::new();
@@ -33,7 +34,10 @@ pub(crate) fn ranked(
     let measured = subset.gather(&bench.experiment.measured_n);
     let residuals: Vec<DVector<f64>> = starts
         .par_iter()
-        .map(|start| subset.gather(&model.predict(&bench.experiment, start)) - &measured)
+        .map(|start| {
+            let predicted = model.predict_beside(&bench.experiment, start, paths);
+            subset.gather(&predicted) - &measured
+        })
         .collect();
     let white = whitener.whiten_columns(&DMatrix::from_columns(&residuals));
     let mut ranked: Vec<(f64, Vec<f64>)> = white

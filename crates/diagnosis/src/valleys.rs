@@ -6,6 +6,8 @@
 
 use rayon::prelude::*;
 
+use rig::Paths;
+
 use crate::bench::{Bench, Fitted};
 use crate::joint::{MOST_SAMPLES_AFRESH, is_dear};
 use crate::scan::Scan;
@@ -36,7 +38,7 @@ pub(crate) fn deepest(bench: &Bench<'_>, subset: &Subset, stand: Stand) -> Optio
         .whitener
         .with_scatter(&context, likely_scatter(&stand));
     let starts = with_laws(&fitted.parameters, bench.law_starts(&fitted.model));
-    let mut starts = ranked(bench, subset, &whitener, &fitted.model, starts);
+    let mut starts = ranked(bench, subset, &whitener, &fitted.model, starts, Paths::NONE);
     starts.truncate(if dear { TAKEN_DEAR } else { TAKEN });
     let fits: Vec<Option<(f64, Fitted)>> = starts
         .par_iter()

@@ -64,6 +64,7 @@ pub(crate) fn of_all_samples(recorded: &Bench<'_>, fitted: &Fitted) -> Fitted {
         prediction: model.predict(&recorded.experiment, &fitted.parameters),
         model,
         friction: OnceLock::new(),
+        paths: OnceLock::new(),
         ..fitted.clone()
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use friction::{IntegrationError, Record, Scalar};
 
-use crate::contact::Paths;
+use crate::contact::Walks;
 use crate::cord::{Corded, tension};
 use crate::refined::between;
 use crate::signal::slope;
@@ -22,7 +22,7 @@ pub(crate) struct Pass<'a, D> {
     /// A factor on the friction that leaves the contact (and the cord), for derivatives by it.
     pub(crate) gain: Option<D>,
     /// Paths of the contact's state.
-    pub(crate) paths: &'a Paths,
+    pub(crate) walks: &'a Walks<'a>,
 }
 
 impl<D: ChainScalar> Pass<'_, D> {
@@ -152,7 +152,7 @@ impl<D: ChainScalar> Pass<'_, D> {
             let fine = match done.rigid(run.twin) {
                 Some(same) => same.to_vec(),
                 None => {
-                    let coefficient = self.paths.coefficients(
+                    let coefficient = self.walks.coefficients(
                         index,
                         &law,
                         &record,

@@ -4,14 +4,24 @@
 //! state's path is the same in all of them, unless an effect at its null takes part for its derivatives and asks for other knots.
 
 use std::cell::RefCell;
+use std::sync::Arc;
 
 use friction::{IntegrationError, Law, Path, Record, Scalar, integrate};
 
 /// Relative difference of numbers that are equal but for rounding: a quotient in dual numbers is the product with an inverse.
 const ROUNDING: f64 = 1e-13;
 
-/// Paths of a campaign's runs, kept from pass to pass, or forgotten after each run where no other pass follows.
-pub(crate) struct Paths(Option<RefCell<Vec<Option<Walked>>>>);
+/// Paths of the contact's state along the runs of a campaign, walked by one prediction, for others beside it: a cause that only
+/// changes what happens to friction afterwards leaves the state where it was. A path serves the law, motion and first state
+/// that it was walked for and no other, so predictions are the same whatever paths are offered to them.
+#[derive(Clone, Default)]
+pub struct Paths(Vec<Option<Arc<Walked>>>);
+
+/// The paths of a pass: those that are known, and those that it walks, kept for the passes that follow it or forgotten.
+pub(crate) struct Walks<'a> {
+    known: &'a Paths,
+    own: Option<RefCell<Paths>>,
+}
 
 /// A path with what it was walked for.
 struct Walked {
@@ -26,12 +36,34 @@ struct Walked {
 }
 
 impl Paths {
-    pub(crate) fn kept(runs: usize) -> Self {
-        Self(Some(RefCell::new((0..runs).map(|_| None).collect())))
+    /// No paths.
+    pub const NONE: &'static Self = &Self(Vec::new());
+
+    fn of(&self, run: usize) -> Option<&Arc<Walked>> {
+        self.0.get(run)?.as_ref()
     }
 
-    pub(crate) fn forgotten() -> Self {
-        Self(None)
+    fn keep(&mut self, run: usize, walked: Arc<Walked>) {
+        if self.0.len() <= run {
+            self.0.resize(run + 1, None);
+        }
+        self.0[run] = Some(walked);
+    }
+}
+
+impl<'a> Walks<'a> {
+    pub(crate) fn kept(known: &'a Paths) -> Self {
+        let own = Some(RefCell::default());
+        Self { known, own }
+    }
+
+    pub(crate) fn forgotten(known: &'a Paths) -> Self {
+        Self { known, own: None }
+    }
+
+    /// All paths that were walked or served.
+    pub(crate) fn into_paths(self) -> Paths {
+        self.own.map(RefCell::into_inner).unwrap_or_default()
     }
 
     /// Coefficient of friction at the samples of a run, with derivatives if `varies` and paths are kept.
@@ -47,16 +79,20 @@ impl Paths {
         let (real, motion) = (law.real(), reals.record());
         let start = initial.value();
         let constant = |values: &[f64]| values.iter().copied().map(D::constant).collect();
-        let Some(kept) = &self.0 else {
+        let fits = |walked: &&Arc<Walked>| walked.is_for(&real, &motion, start);
+        let Some(own) = &self.own else {
+            if let Some(walked) = self.known.of(run).filter(fits) {
+                return Ok(constant(&walked.coefficients));
+            }
             let states = integrate(&real, &motion, start)?;
             return Ok(constant(&real.coefficients(&motion, &states)));
         };
-        let mut kept = kept.borrow_mut();
-        let walked = match kept[run].take() {
-            Some(walked) if walked.is_for(&real, &motion, start) => walked,
-            _ => Walked::new(real, &motion, start)?,
+        let mut own = own.borrow_mut();
+        let walked = match own.of(run).filter(fits).or(self.known.of(run).filter(fits)) {
+            Some(walked) => Arc::clone(walked),
+            None => Arc::new(Walked::new(real, &motion, start)?),
         };
-        let walked = kept[run].insert(walked);
+        own.keep(run, Arc::clone(&walked));
         if D::NDERIV == 0 || !varies {
             return Ok(constant(&walked.coefficients));
         }
@@ -86,8 +122,8 @@ impl Walked {
 
     fn is_for(&self, law: &Law<f64>, record: &Record<'_, f64>, initial: f64) -> bool {
         self.initial == initial
-            && self.knots == record.knots
             && self.law.is_but_for_rounding(law, ROUNDING)
+            && self.knots == record.knots
             && same(&self.velocity, record.velocity)
             && same_or_none(self.curve_speed.as_deref(), record.curve_speed)
             && same_or_none(self.rest_gain.as_deref(), record.rest_gain)

@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 use num_dual::DualSVec64;
 
 use crate::chain::Pass;
-use crate::contact::Paths;
+use crate::contact::{Paths, Walks};
 use crate::{ChainScalar, Experiment, Model, Reach};
 
 /// What one lane of a dual number stands for.
@@ -24,7 +24,7 @@ pub(crate) fn columns(
     experiment: &Experiment,
     parameters: &[f64],
     columns: &[usize],
-    paths: &Paths,
+    walks: &Walks<'_>,
 ) -> DMatrix<f64> {
     let mut jacobian = DMatrix::zeros(experiment.samples(), columns.len());
     let initial = model.initial_states();
@@ -52,7 +52,7 @@ pub(crate) fn columns(
         experiment,
         parameters,
         columns,
-        paths,
+        walks,
     };
     for (lanes, state_varies) in [(state, true), (record, false)] {
         let mut rest = lanes.as_slice();
@@ -71,7 +71,12 @@ pub(crate) fn columns(
 
 /// Friction in the record: d F / d ln g for a factor g on the friction that leaves the contact, N (rotary N m). Inertia, offsets
 /// and weights do not follow friction and have no part in it; a lag or a gain of the sensor has.
-pub(crate) fn friction(model: &Model, experiment: &Experiment, parameters: &[f64]) -> Vec<f64> {
+pub(crate) fn friction(
+    model: &Model,
+    experiment: &Experiment,
+    parameters: &[f64],
+    paths: &Paths,
+) -> Vec<f64> {
     type Dual = DualSVec64<1>;
     let constant: Vec<Dual> = parameters.iter().map(|&p| Dual::from_re(p)).collect();
     let record = Pass {
@@ -81,7 +86,7 @@ pub(crate) fn friction(model: &Model, experiment: &Experiment, parameters: &[f64
         active: model.off_null(parameters),
         state_varies: false,
         gain: Some(Dual::from_re(1.0).derivative(0)),
-        paths: &Paths::forgotten(),
+        walks: &Walks::forgotten(paths),
     }
     .predict();
     let of = |f: &Dual| match &f.eps.0 {
@@ -114,7 +119,7 @@ struct Task<'a> {
     experiment: &'a Experiment,
     parameters: &'a [f64],
     columns: &'a [usize],
-    paths: &'a Paths,
+    walks: &'a Walks<'a>,
 }
 
 impl Task<'_> {
@@ -160,7 +165,7 @@ impl Task<'_> {
             active,
             state_varies,
             gain: None,
-            paths: self.paths,
+            walks: self.walks,
         };
         let record = pass.predict();
         for (j, &column) in self.columns.iter().enumerate() {

@@ -23,6 +23,7 @@ mod scales;
 pub mod signal;
 mod station;
 
+pub use contact::Paths;
 pub use cord::Coupling;
 pub use effect::{Cause, ChainScalar, Hook, Hooks, Place, Reach, Reported, Requirement};
 pub use experiment::{Experiment, ExperimentError, GRAVITY_M_S2, RunMotion};

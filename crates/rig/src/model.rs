@@ -10,7 +10,7 @@ use friction::{CosinePlacement, Drive, Exponent, Law, LawError, LawKind, Paramet
 use nalgebra::DMatrix;
 
 use crate::chain::Pass;
-use crate::contact::Paths;
+use crate::contact::{Paths, Walks};
 use crate::{Cause, ChainScalar, Coupling, Experiment, Hook, Place, Reach, jacobian};
 
 /// Why a model cannot be made.
@@ -206,20 +206,43 @@ impl Model {
     /// # Panics
     /// If `parameters` is not as long as [`Model::parameters`].
     pub fn predict(&self, experiment: &Experiment, parameters: &[f64]) -> Vec<f64> {
-        assert_eq!(
-            parameters.len(),
-            self.specs.len(),
-            "one value for each parameter"
-        );
-        self.predict_along(experiment, parameters, &Paths::forgotten())
+        self.predict_beside(experiment, parameters, Paths::NONE)
+    }
+
+    /// [`Model::predict`], bit for bit, sooner where these paths serve.
+    ///
+    /// # Panics
+    /// As [`Model::predict`].
+    pub fn predict_beside(
+        &self,
+        experiment: &Experiment,
+        parameters: &[f64],
+        paths: &Paths,
+    ) -> Vec<f64> {
+        self.predict_along(experiment, parameters, &Walks::forgotten(paths))
+    }
+
+    /// [`Model::predict`] with the paths that it walks, for what is computed beside it.
+    ///
+    /// # Panics
+    /// As [`Model::predict`].
+    pub fn predict_and_keep(
+        &self,
+        experiment: &Experiment,
+        parameters: &[f64],
+    ) -> (Vec<f64>, Paths) {
+        let walks = Walks::kept(Paths::NONE);
+        let values = self.predict_along(experiment, parameters, &walks);
+        (values, walks.into_paths())
     }
 
     fn predict_along(
         &self,
         experiment: &Experiment,
         parameters: &[f64],
-        paths: &Paths,
+        walks: &Walks<'_>,
     ) -> Vec<f64> {
+        self.assert_complete(parameters);
         Pass {
             model: self,
             experiment,
@@ -227,7 +250,7 @@ impl Model {
             active: self.off_null(parameters),
             state_varies: true,
             gain: None,
-            paths,
+            walks,
         }
         .predict()
     }
@@ -239,12 +262,21 @@ impl Model {
     /// # Panics
     /// If `parameters` is not as long as [`Model::parameters`].
     pub fn friction(&self, experiment: &Experiment, parameters: &[f64]) -> Vec<f64> {
-        assert_eq!(
-            parameters.len(),
-            self.specs.len(),
-            "one value for each parameter"
-        );
-        jacobian::friction(self, experiment, parameters)
+        self.friction_beside(experiment, parameters, Paths::NONE)
+    }
+
+    /// [`Model::friction`], bit for bit, sooner where these paths serve.
+    ///
+    /// # Panics
+    /// As [`Model::friction`].
+    pub fn friction_beside(
+        &self,
+        experiment: &Experiment,
+        parameters: &[f64],
+        paths: &Paths,
+    ) -> Vec<f64> {
+        self.assert_complete(parameters);
+        jacobian::friction(self, experiment, parameters, paths)
     }
 
     /// Prediction and its derivatives: samples x `columns` (all parameters for `None`). Rows as in [`Model::predict`].
@@ -260,13 +292,8 @@ impl Model {
         parameters: &[f64],
         columns: Option<&[usize]>,
     ) -> (Vec<f64>, DMatrix<f64>) {
-        assert_eq!(
-            parameters.len(),
-            self.specs.len(),
-            "one value for each parameter"
-        );
-        let paths = Paths::kept(experiment.runs.len());
-        let values = self.predict_along(experiment, parameters, &paths);
+        let walks = Walks::kept(Paths::NONE);
+        let values = self.predict_along(experiment, parameters, &walks);
         let every: Vec<usize>;
         let columns = match columns {
             Some(columns) => columns,
@@ -277,8 +304,32 @@ impl Model {
         };
         (
             values,
-            jacobian::columns(self, experiment, parameters, columns, &paths),
+            jacobian::columns(self, experiment, parameters, columns, &walks),
         )
+    }
+
+    /// The derivatives of [`Model::predict_with_jacobian`], sooner where these paths serve.
+    ///
+    /// # Panics
+    /// As there.
+    pub fn jacobian_beside(
+        &self,
+        experiment: &Experiment,
+        parameters: &[f64],
+        columns: &[usize],
+        paths: &Paths,
+    ) -> DMatrix<f64> {
+        self.assert_complete(parameters);
+        let walks = Walks::kept(paths);
+        jacobian::columns(self, experiment, parameters, columns, &walks)
+    }
+
+    fn assert_complete(&self, parameters: &[f64]) {
+        assert_eq!(
+            parameters.len(),
+            self.specs.len(),
+            "one value for each parameter"
+        );
     }
 
     /// How much later the recorded forces are than the recorded motions, all effects together, s.
