@@ -27,6 +27,9 @@ pub(crate) const STRONG: f64 = 12.0;
 const LAW_STARTS: usize = 20;
 /// Sizes and shapes of each cause that are tried with each start of the law.
 const OWN_STARTS: usize = 6;
+/// A start of the law that costs this many times more than the nearest starts with a cause is not tried with it: no cause has been seen
+/// to bring one nearer than to a twelfth.
+const OUT_OF_REACH: f64 = 30.0;
 /// Fits of each cause from its best starts, and steps of each.
 const ROUGH: (usize, u64) = (3, 15);
 /// The same where the mechanics are dear, and how many of the law's starts are tried there.
@@ -270,12 +273,15 @@ impl Search<'_> {
         let (bench, stand) = (self.bench, self.stand);
         let model = &stand.fitted.model;
         let measured = self.subset.gather(&bench.experiment.measured_n);
+        let cost = |prediction: &[f64]| {
+            let residual = self.subset.gather(prediction) - &measured;
+            0.5 * self.whitener.whiten(&residual).norm_squared()
+        };
         let mut starts: Vec<Fitted> = with_laws(&stand.fitted.parameters, suggested)
             .into_iter()
             .filter_map(|parameters| {
                 let (prediction, paths) = model.predict_and_keep(&bench.experiment, &parameters);
-                let residual = self.subset.gather(&prediction) - &measured;
-                let cost = 0.5 * self.whitener.whiten(&residual).norm_squared();
+                let cost = cost(&prediction);
                 cost.is_finite().then(|| Fitted {
                     effects: stand.fitted.effects.clone(),
                     model: model.clone(),
@@ -290,7 +296,10 @@ impl Search<'_> {
             .collect();
         starts.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         starts.truncate(LAW_STARTS);
-        starts.push(stand.fitted.clone());
+        starts.push(Fitted {
+            cost: cost(&stand.fitted.prediction),
+            ..stand.fitted.clone()
+        });
         starts
     }
 
@@ -308,20 +317,31 @@ impl Search<'_> {
         } else {
             (laws.iter().collect(), ROUGH)
         };
-        let mut starts = self.nearest_starts(cause, &laws, &own[..plenty]);
-        starts.truncate(fits);
         Tries {
             cause,
-            starts,
+            starts: self.nearest_starts(cause, &laws, &own[..plenty], fits),
             steps,
         }
     }
 
-    /// For each start of the law the cause's own start that brings it nearest to the record; nearest of all first. (Fits from one
-    /// start of the law tend to end in one minimum.)
-    fn nearest_starts(&self, cause: usize, laws: &[&Fitted], own: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    /// For each start of the law the cause's own start that brings it nearest to the record; the `most` nearest of all, best first. (Fits
+    /// from one start of the law tend to end in one minimum.)
+    fn nearest_starts(
+        &self,
+        cause: usize,
+        laws: &[&Fitted],
+        own: &[Vec<f64>],
+        most: usize,
+    ) -> Vec<Vec<f64>> {
+        let mut laws = laws.to_vec();
+        laws.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         let mut nearest: Vec<(f64, Vec<f64>)> = Vec::new();
         for law in laws {
+            // In units of 1/2 |W r|^2, as the law's cost.
+            let enough = nearest.get(most - 1).map_or(f64::INFINITY, |n| 0.5 * n.0);
+            if law.cost > OUT_OF_REACH * enough {
+                break;
+            }
             let beside = |own: &Vec<f64>| extended(self.bench, law, cause, own);
             let Some(with_own) = own.iter().map(beside).collect::<Option<Vec<_>>>() else {
                 return Vec::new();
@@ -340,8 +360,9 @@ impl Search<'_> {
                 paths,
             );
             nearest.extend(ranked.into_iter().next());
+            nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
+            nearest.truncate(most);
         }
-        nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
         nearest.into_iter().map(|(_, start)| start).collect()
     }
 

@@ -317,13 +317,26 @@ impl Ground {
     pub(crate) fn descatter(&self, columns: &DMatrix<f64>, scatter: f64) -> DMatrix<f64> {
         let mut out = columns.clone();
         let s2 = scatter * scatter;
-        for (m, l) in self.lambda.iter().enumerate() {
-            let u = self.gains.column(m) / l.sqrt();
+        for (gain, l) in self.gains.column_iter().zip(&self.lambda) {
             let shrink = 1.0 - 1.0 / (1.0 + s2 * l).sqrt();
-            let along = u.transpose() * columns;
-            out -= &u * along * shrink;
+            for mut column in out.column_iter_mut() {
+                let along = gain.dot(&column);
+                column.axpy(-shrink / l * along, &gain, 1.0);
+            }
         }
         out
+    }
+
+    /// S~'V(s)^-1 S~ of whitened columns S, S~ their projection: with Q and the gains G = H~ E at right angles,
+    /// S'S - (Q'S)'(Q'S) - (G'S)' diag(s^2 / (1 + s^2 lambda)) (G'S).
+    pub(crate) fn information(&self, whitened: &DMatrix<f64>, scatter: f64) -> DMatrix<f64> {
+        let (absorbed, between) = (self.basis.tr_mul(whitened), self.gains.tr_mul(whitened));
+        let s2 = scatter * scatter;
+        let mut shared = between.clone();
+        for (mut row, l) in shared.row_iter_mut().zip(&self.lambda) {
+            row *= s2 / (1.0 + s2 * l);
+        }
+        whitened.tr_mul(whitened) - absorbed.tr_mul(&absorbed) - between.tr_mul(&shared)
     }
 }
 

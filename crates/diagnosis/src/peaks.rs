@@ -67,14 +67,10 @@ impl Peaks {
             .whitener
             .whiten_transposed(&free.rows(0, subset.len()).into_owned());
         let information = |columns: &DMatrix<f64>| -> Vec<Information> {
-            let white = stand.whiten_own(columns);
-            let ground = &stand.ground;
-            let free = ground.descatter(&ground.project(&white), scatter);
-            let pairs = (0..free.ncols() / 2).map(|k| (free.column(2 * k), free.column(2 * k + 1)));
+            let a = (stand.ground).information(&stand.whiten_own(columns), scatter);
+            let pairs = (0..columns.ncols()).step_by(2);
             pairs
-                .map(|(cosine, sine)| {
-                    Information([cosine.dot(&cosine), cosine.dot(&sine), sine.dot(&sine)])
-                })
+                .map(|k| Information([a[(k, k)], a[(k, k + 1)], a[(k + 1, k + 1)]]))
                 .collect()
         };
         let found = causes
