@@ -38,11 +38,13 @@ impl Rotations {
     fn fold(rows: &Rows, grid: &Grid, sizes: &Sizes) -> Self {
         let nodes = grid.nodes;
         let root = grid.precision_root(sizes);
-        let stride = rows.width.max(root.width()).min(nodes);
+        // Beside the diagonal whole lanes, the last rows reaching beyond the last node, where all is zero.
+        let beside = (rows.width.max(root.width()) - 1).next_multiple_of(LANES);
+        let stride = 1 + beside;
         let mut triangle = vec![0.0; nodes * stride];
-        for j in 0..nodes {
+        for (j, own) in triangle.chunks_exact_mut(stride).enumerate() {
             let row = root.row(j, nodes);
-            triangle[j * stride..][..row.len()].copy_from_slice(row);
+            own[..row.len()].copy_from_slice(row);
         }
         let n = rows.first.len();
         let mut kept = Self {
@@ -61,18 +63,17 @@ impl Rotations {
             let mut end = first + row.len();
             let mut j = first;
             while j < end.min(nodes) {
-                let reach = stride.min(nodes - j);
-                let own = &mut triangle[j * stride..j * stride + reach];
-                let (d, x) = (own[0], line[j]);
+                let (diagonal, own) = triangle[j * stride..(j + 1) * stride].split_at_mut(1);
+                let (d, x) = (diagonal[0], line[j]);
                 let radius = (d * d + x * x).sqrt();
                 let (c, s) = (d / radius, x / radius);
-                own[0] = radius;
+                diagonal[0] = radius;
                 line[j] = 0.0;
                 kept.pairs.push((c, s));
                 j += 1;
                 // The triangle's row reaches at least as far as the line does.
-                end = end.max((j - 1 + reach).min(nodes));
-                let left = turn(c, s, &mut own[1..], &mut line[j..j - 1 + reach]);
+                end = end.max(j + beside);
+                let left = turn(c, s, own, &mut line[j..j + beside]);
                 if left < NEGLIGIBLE * root.size() {
                     break;
                 }
@@ -132,24 +133,28 @@ impl Rotations {
     }
 }
 
-/// (t, l) = (c t + s l, c l - s t) entry by entry; the largest |l| that is left, taken lane by lane so that the loop stays wide.
+/// Entries of a row that are turned side by side.
+const LANES: usize = 8;
+
+/// (t, l) = (c t + s l, c l - s t) entry by entry; the largest |l| that is left, taken lane by lane so that the loop stays wide. Both are
+/// whole lanes long.
 #[inline(always)]
 fn turn(c: f64, s: f64, triangle: &mut [f64], line: &mut [f64]) -> f64 {
-    const LANES: usize = 8;
     let larger = |a: f64, b: f64| if a > b { a } else { b };
     let mut largest = [0.0_f64; LANES];
-    let mut triangle = triangle.chunks_exact_mut(LANES);
-    let mut line = line.chunks_exact_mut(LANES);
-    for (t, l) in triangle.by_ref().zip(line.by_ref()) {
+    let lanes = triangle.as_chunks_mut::<LANES>().0.iter_mut();
+    for (t, l) in lanes.zip(line.as_chunks_mut::<LANES>().0) {
+        // Taken out of memory first: the two might overlap for all that the compiler knows.
+        let (own, other) = (*t, *l);
         for k in 0..LANES {
-            (t[k], l[k]) = (c * t[k] + s * l[k], c * l[k] - s * t[k]);
+            t[k] = c * own[k] + s * other[k];
+        }
+        for k in 0..LANES {
+            l[k] = c * other[k] - s * own[k];
+        }
+        for k in 0..LANES {
             largest[k] = larger(l[k].abs(), largest[k]);
         }
-    }
-    let rest = triangle.into_remainder().iter_mut();
-    for (t, l) in rest.zip(line.into_remainder()) {
-        (*t, *l) = (c * *t + s * *l, c * *l - s * *t);
-        largest[0] = larger(l.abs(), largest[0]);
     }
     largest.into_iter().fold(0.0, larger)
 }
