@@ -1,6 +1,6 @@
 //! What an extension gains on runs that it has not seen.
 //!
-//! Each fold leaves out one run of every repeated condition; richer campaigns also leave out each whole condition.
+//! Each fold leaves out one run of every repeated condition, or a whole condition of a richer campaign (`folds.rs`).
 //! Noise, selection and extension are done again in every fold; a held-out run keeps its commands and its place in the
 //! day and hides its force. Squared errors are pooled over folds:
 //!
@@ -24,6 +24,7 @@ use rayon::prelude::*;
 use crate::answer::{Diagnosis, Gain};
 use crate::bench::Bench;
 use crate::floor;
+use crate::folds::folds;
 use crate::ground::orthonormal;
 use crate::intervals::student;
 use crate::look_back::without;
@@ -35,10 +36,6 @@ use crate::whole::Whole;
 
 /// Scrambled extensions that a gain must beat.
 const PLACEBOS: usize = 19;
-/// Conditions that are left out as a whole: at most this many, the first of the campaign.
-const WHOLE_CONDITIONS: usize = 3;
-/// Folds over repeats, at most.
-const MOST_FOLDS: usize = 12;
 
 /// Outcome of one fold.
 pub(crate) struct Fold {
@@ -119,39 +116,6 @@ impl Gains {
     }
 }
 
-/// Runs left out, fold by fold.
-fn folds(bench: &Bench<'_>) -> Vec<Vec<usize>> {
-    let mut folds = merged(identification::folds(bench.campaign));
-    let conditions = bench.campaign.conditions();
-    if conditions.len() > 2 {
-        folds.extend(
-            conditions
-                .into_iter()
-                .filter(|c| 2 * c.len() < bench.samples.runs.len())
-                .take(WHOLE_CONDITIONS),
-        );
-    }
-    if folds.is_empty() && bench.samples.runs.len() > 2 {
-        // No repeats: each run in turn, at most six.
-        folds = (0..bench.samples.runs.len().min(6))
-            .map(|k| vec![k])
-            .collect();
-    }
-    folds
-}
-
-/// At most [`MOST_FOLDS`] folds: with more repeats each leaves out several runs of a condition.
-fn merged(folds: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
-    if folds.len() <= MOST_FOLDS {
-        return folds;
-    }
-    let mut few = vec![Vec::new(); MOST_FOLDS];
-    for (k, fold) in folds.into_iter().enumerate() {
-        few[k % MOST_FOLDS].extend(fold);
-    }
-    few
-}
-
 /// Judges a selection by folds; `None` where no run can be left out.
 ///
 /// `ties`: for each named cause, the causes that cannot be told from it: a fold that takes one of them in has found it.
@@ -162,7 +126,7 @@ pub(crate) fn judge(
     ties: &[Vec<usize>],
     floor_rmse: f64,
 ) -> Option<Gains> {
-    let folds = folds(whole.bench);
+    let folds = folds(bench, whole, selected);
     if folds.is_empty() {
         return None;
     }

@@ -23,6 +23,7 @@ mod excerpt;
 mod experiment;
 mod extension;
 mod floor;
+mod folds;
 mod gain;
 mod general;
 mod ground;
