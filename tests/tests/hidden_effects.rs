@@ -203,6 +203,7 @@ fn second_forms_are_named_like_the_first() {
         second("backlash", Protocol::PaperAlternating, 4),
         second("velocity-strengthening", Protocol::Rich, 5),
         second("thermal-softening", Protocol::PaperBlocked, 6),
+        second("bristle-set", Protocol::Rich, 7),
     ];
     assert_none(&complaints(&trials, &[Verdict::Right]));
 }

@@ -10,7 +10,7 @@ use rig::{Cause, Experiment, Model, Requirement, Station};
 use rigs::{BRISTLE, LUGRE, rich};
 
 /// Ids, stations and reported parameters, as other programs know them.
-const VOCABULARY: [(&str, &str, &[&str]); 37] = [
+const VOCABULARY: [(&str, &str, &[&str]); 38] = [
     (
         "stage-ripple",
         "stage",
@@ -31,6 +31,7 @@ const VOCABULARY: [(&str, &str, &[&str]); 37] = [
     ("velocity-strengthening", "law", &["quadratic_s2_m2"]),
     ("lean-angle", "law", &["angle_rad"]),
     ("bristle-set", "history", &["angle_rad", "runs"]),
+    ("bristle-set", "history", &["angle_rad", "runs", "kept"]),
     ("wear", "history", &["amplitude", "distance_m"]),
     ("wear", "history", &["amplitude_per_decade", "distance_m"]),
     (

@@ -84,7 +84,12 @@ pub enum Effect {
     /// Another lean.
     LeanAngle { angle_rad: f64 },
     /// A bend that stays after reverse runs and settles over runs.
-    BristleSet { angle_rad: f64, runs: f64 },
+    BristleSet {
+        angle_rad: f64,
+        runs: f64,
+        /// Forward runs leave it as it is.
+        kept: bool,
+    },
     /// Friction changes with the distance slid since the campaign began.
     Wear {
         amplitude: f64,
@@ -250,6 +255,7 @@ impl Effect {
             Self::CordCompliance { hardening_m, .. } => hardening_m.is_none(),
             Self::Wear { course, .. } => *course == Course::Saturating,
             Self::ThermalSoftening { levels_off, .. } => !levels_off,
+            Self::BristleSet { kept, .. } => !kept,
             Self::SensorLag { filter, .. } | Self::VelocityLag { filter, .. } => {
                 *filter == Filter::FirstOrder
             }
@@ -292,7 +298,9 @@ impl Effect {
                 vec![("quadratic_s2_m2", quadratic_s2_m2)]
             }
             Self::LeanAngle { angle_rad } => vec![("angle_rad", angle_rad)],
-            Self::BristleSet { angle_rad, runs } => vec![("angle_rad", angle_rad), ("runs", runs)],
+            Self::BristleSet {
+                angle_rad, runs, ..
+            } => vec![("angle_rad", angle_rad), ("runs", runs)],
             Self::Wear {
                 amplitude,
                 distance_m,

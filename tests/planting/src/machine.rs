@@ -81,17 +81,22 @@ fn rest_before(rig: &Rig, run: &RunPlan, history: &mut History) {
     }
 }
 
-/// What a run does to the specimen: reverse sliding bends the bristles lastingly, forward sliding straightens them. A specimen
+/// What a run does to the specimen: reverse sliding bends the bristles lastingly, forward sliding straightens them or leaves the bend. A specimen
 /// that was turned round is slid the other way; one that touches nothing stays as it is.
 fn bend_after(rig: &Rig, run: &RunPlan, history: &mut History) {
     if run.load_n == Some(0.0) {
         return;
     }
     for effect in &rig.effects {
-        if let Effect::BristleSet { angle_rad, runs } = effect {
+        if let Effect::BristleSet {
+            angle_rad,
+            runs,
+            kept,
+        } = effect
+        {
             let goal = match (run.direction, run.specimen_turned) {
                 ("reverse", false) | ("forward", true) => *angle_rad,
-                ("forward", false) | ("reverse", true) => 0.0,
+                ("forward", false) | ("reverse", true) if !kept => 0.0,
                 _ => history.bend_rad,
             };
             history.bend_rad += (goal - history.bend_rad) * (1.0 - (-1.0 / runs).exp());

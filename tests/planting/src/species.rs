@@ -48,9 +48,10 @@ pub const ALIENS: [&str; 6] = [
 ];
 
 /// Causes that can be planted in a second shape.
-pub const SECOND_SHAPES: [&str; 11] = [
+pub const SECOND_SHAPES: [&str; 12] = [
     "stage-ripple",
     "cord-compliance",
+    "bristle-set",
     "wear",
     "thermal-softening",
     "surface-texture",
@@ -135,6 +136,7 @@ pub fn draw(
         "bristle-set" => Effect::BristleSet {
             angle_rad: 0.04 * size * sign,
             runs: between(0.7, 2.5),
+            kept: second,
         },
         "wear" => Effect::Wear {
             amplitude: 0.08 * size * sign,

@@ -1,9 +1,14 @@
 //! A lasting bend: the lean of a run is theta0 + angle S. After a reverse run S moves towards 1, after a forward run towards
-//! 0, by the share 1 - exp(-1/runs) of what is left; a run that reverses leaves it as it is. S = 0 before the first run.
+//! 0, by the share 1 - exp(-1/runs) of what is left; a run that reverses leaves it as it is. S = 0 before the first run. In a further
+//! form forward runs leave it as it is too.
+
+use std::collections::BTreeMap;
 
 use friction::{ParameterSpec, Scalar, LawKind, Law};
-use rig::{Cause, Experiment, Place, Reach, Requirement, Station};
+use rig::{Cause, Experiment, Place, Reach, Reported, Requirement, Station};
 use campaign::Direction;
+
+use super::marker;
 
 /// The bristles keep a lasting bend after reverse runs.
 #[derive(Clone, Copy, Debug)]
@@ -52,19 +57,97 @@ impl Cause for BristleSet {
     }
 
     fn law<D: Scalar>(&self, p: &[D], at: Place<'_>, law: &mut Law<D>, memory: &mut [D]) {
-        if let Some(lean) = &mut law.lean {
-            lean.angle += p[0] * memory[0];
+        lean(p, law, memory[0]);
+        if let Some(bends) = bends(at) {
+            settle(p, if bends { 1.0 } else { 0.0 }, &mut memory[0]);
         }
-        if !at.run.in_contact() {
-            return;
-        }
-        // a specimen turned round is bent by the other direction
-        let goal = match (at.run.direction, at.run.specimen_turned) {
-            (Direction::Reverse, false) | (Direction::Forward, true) => 1.0,
-            (Direction::Forward, false) | (Direction::Reverse, true) => 0.0,
-            (Direction::Both, _) => return,
-        };
-        let share = -(-p[1].recip()).exp() + 1.0;
-        memory[0] = memory[0] + (-memory[0] + goal) * share;
     }
+}
+
+/// The same where forward runs do not straighten the bristles again.
+#[derive(Clone, Copy, Debug)]
+pub struct KeptSet;
+
+/// Beside bend and runs, what tells this form from the other one in a file.
+const KEPT: &str = "kept";
+
+impl Cause for KeptSet {
+    fn id(&self) -> &'static str {
+        BristleSet.id()
+    }
+
+    fn variant(&self) -> Option<&'static str> {
+        Some("kept by forward runs")
+    }
+
+    fn station(&self) -> Station {
+        BristleSet.station()
+    }
+
+    fn reach(&self) -> Reach {
+        BristleSet.reach()
+    }
+
+    fn describe(&self) -> &'static str {
+        BristleSet.describe()
+    }
+
+    fn parameters(&self) -> &'static [ParameterSpec] {
+        PARAMETERS
+    }
+
+    fn requirements(&self) -> &'static [Requirement] {
+        BristleSet.requirements()
+    }
+
+    fn applies_to(&self, law: LawKind) -> bool {
+        BristleSet.applies_to(law)
+    }
+
+    fn memory(&self) -> usize {
+        BristleSet.memory()
+    }
+
+    fn shape_grid(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+        BristleSet.shape_grid(experiment)
+    }
+
+    fn reported(&self, fitted: &[f64]) -> Vec<Reported> {
+        marker::marked(BristleSet.reported(fitted), KEPT)
+    }
+
+    fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
+        marker::demanded(reported, KEPT)?;
+        BristleSet.from_reported(reported)
+    }
+
+    fn law<D: Scalar>(&self, p: &[D], at: Place<'_>, law: &mut Law<D>, memory: &mut [D]) {
+        lean(p, law, memory[0]);
+        if bends(at) == Some(true) {
+            settle(p, 1.0, &mut memory[0]);
+        }
+    }
+}
+
+/// theta0 + angle S.
+fn lean<D: Scalar>(p: &[D], law: &mut Law<D>, bend: D) {
+    if let Some(lean) = &mut law.lean {
+        lean.angle += p[0] * bend;
+    }
+}
+
+/// Whether a run bends the bristles or straightens them; a specimen turned round is bent by the other direction. `None` of a run that
+/// reverses or touches nothing.
+fn bends(at: Place<'_>) -> Option<bool> {
+    match at.run.direction {
+        _ if !at.run.in_contact() => None,
+        Direction::Both => None,
+        direction => Some((direction == Direction::Reverse) != at.run.specimen_turned),
+    }
+}
+
+/// S moves towards its goal by the share 1 - exp(-1/runs) of what is left.
+fn settle<D: Scalar>(p: &[D], goal: f64, bend: &mut D) {
+    let share = -(-p[1].recip()).exp() + 1.0;
+    *bend = *bend + (-*bend + goal) * share;
 }

@@ -26,7 +26,7 @@ catalogue! {
     stribeck_shape::StribeckShape;
     velocity_strengthening::VelocityStrengthening, AddedStrengthening;
     lean_angle::LeanAngle;
-    bristle_set::BristleSet;
+    bristle_set::BristleSet, KeptSet;
     wear::Wear, WearByDecades;
     thermal_softening::ThermalSoftening, LevellingSoftening;
     surface_texture::SurfaceTexture;

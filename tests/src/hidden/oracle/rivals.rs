@@ -154,11 +154,14 @@ impl Oracle {
                     levels_off,
                 })
                 .collect(),
-            Effect::BristleSet { angle_rad, .. } => [0.3, 1.0, 2.0, 4.0]
+            Effect::BristleSet {
+                angle_rad, kept, ..
+            } => [0.3, 1.0, 2.0, 4.0]
                 .iter()
                 .map(|runs| Effect::BristleSet {
                     angle_rad,
                     runs: *runs,
+                    kept,
                 })
                 .collect(),
             Effect::CordCompliance {
