@@ -358,6 +358,7 @@ mod tests {
                 cost: 0.0,
                 converged: true,
                 friction: std::sync::OnceLock::new(),
+                paths: std::sync::OnceLock::new(),
             }
         };
         let (all, few) = (fitted(&recorded), fitted(&rows));
