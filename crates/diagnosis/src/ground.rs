@@ -158,6 +158,15 @@ impl Ground {
         (columns.ncols() > 0).then_some(Direction { columns, back })
     }
 
+    /// The tested effect of one column that is projected already, `full` being its length before; `None` where the model absorbs it.
+    pub(crate) fn along(&self, free: DVector<f64>, full: f64) -> Option<Direction> {
+        let length = free.norm();
+        (length > ABSORBED * full).then(|| Direction {
+            columns: DMatrix::from_column_slice(free.len(), 1, (free / length).as_slice()),
+            back: DMatrix::from_element(1, 1, 1.0 / length),
+        })
+    }
+
     /// The score test of an effect, the scatter between runs integrated over.
     pub(crate) fn score(&self, direction: &Direction) -> Score {
         let k = direction.columns.ncols();

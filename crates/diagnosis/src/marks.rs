@@ -21,7 +21,7 @@ use crate::tail::{log_chi2_tail, normal_deviate};
 const WIDTHS: [f64; 3] = [1.0, 2.0, 4.0];
 /// Stretches of one width: at most this many.
 const MOST: usize = 240;
-/// Samples that must lie on a stretch.
+/// Samples that must lie on a stretch, and elsewhere.
 const FEWEST: usize = 3;
 /// Freedom of the tails: heavier than with the first no mark can be told from the roughness, from the last on they are normal.
 const FREEDOMS: [f64; 7] = [3.0, 4.0, 5.0, 7.0, 10.0, 15.0, 30.0];
@@ -78,65 +78,123 @@ pub(crate) fn marks(
 
 /// All stretches that samples lie on, and what lies beyond each place.
 fn stretches(stand: &Stand, ground: &Ground, samples: &Samples, scale: &[f64]) -> Vec<Stretch> {
-    let (lo, hi) = samples
-        .place
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| {
-            (a.min(x), b.max(x))
-        });
+    let Some(cells) = Cells::new(stand.sizes.length, samples) else {
+        return Vec::new();
+    };
+    let sums = Sums::new(stand, ground, &cells, scale);
     let mut out = Vec::new();
-    for (k, share) in WIDTHS.into_iter().enumerate() {
-        let width = (share * stand.sizes.length).max(2.0 * (hi - lo) / MOST as f64);
-        let count = (2.0 * (hi - lo) / width) as usize;
-        let edges: Vec<(f64, f64)> = (0..count.saturating_sub(1))
-            .map(|j| lo + 0.5 * width * j as f64)
-            .map(|from| (from, from + width))
-            .collect();
-        let mut short = DMatrix::zeros(samples.len(), edges.len());
-        for (i, &x) in samples.place.iter().enumerate() {
-            let last = ((x - lo) / (0.5 * width)) as usize;
-            for j in last.saturating_sub(1)..=last {
-                if j < edges.len() && x >= edges[j].0 && x < edges[j].1 {
-                    short[(i, j)] = scale[i];
-                }
-            }
+    let mut before = 0;
+    for share in WIDTHS {
+        // Whole cells; where the plate is long against the roughness, widths fall together.
+        let width = ((share * stand.sizes.length / cells.width).round() as usize).max(2);
+        if width == before {
+            continue;
         }
-        out.extend(scored(stand, ground, &edges, &short));
-        if k == 0 {
-            let beyond = DMatrix::from_fn(samples.len(), edges.len(), |i, j| {
-                let middle = 0.5 * (edges[j].0 + edges[j].1);
-                if samples.place[i] > middle {
-                    scale[i]
-                } else {
-                    0.0
-                }
-            });
-            out.extend(scored(stand, ground, &edges, &beyond));
+        before = width;
+        let starts = (0..).step_by(width / 2);
+        for from in starts.take_while(|from| from + width <= cells.count) {
+            let to = from + width;
+            let z = sums.deviate(ground, from, to);
+            out.extend(z.map(|z| cells.stretch(from, to, z)));
         }
+    }
+    for middle in 1..cells.count {
+        let z = sums.deviate(ground, middle, cells.count);
+        out.extend(z.map(|z| cells.stretch(middle - 1, middle + 1, z)));
     }
     out
 }
 
-/// Signed deviates of columns, those on which too few samples lie left out.
-fn scored(
-    stand: &Stand,
-    ground: &Ground,
-    edges: &[(f64, f64)],
-    columns: &DMatrix<f64>,
-) -> Vec<Stretch> {
-    let white = stand.whiten_own(columns);
-    let each = edges.iter().enumerate().filter_map(|(j, &(from, to))| {
-        let on_it = columns.column(j).iter().filter(|c| **c != 0.0).count();
-        if on_it < FEWEST || columns.nrows() - on_it < FEWEST {
+/// The plate in cells of half the shortest width.
+struct Cells {
+    lo: f64,
+    width: f64,
+    count: usize,
+    /// The cell of each sample; what lies beyond the last whole one belongs to it.
+    of_sample: Vec<usize>,
+}
+
+impl Cells {
+    /// `None` where the runs pass no two places.
+    fn new(length: f64, samples: &Samples) -> Option<Self> {
+        let places = samples.place.iter();
+        let (lo, hi) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| {
+            (a.min(x), b.max(x))
+        });
+        let width = (0.5 * WIDTHS[0] * length).max((hi - lo) / MOST as f64);
+        let count = ((hi - lo) / width) as usize;
+        let cell = |&x: &f64| (((x - lo) / width) as usize).min(count - 1);
+        (count >= 2).then(|| Self {
+            lo,
+            width,
+            count,
+            of_sample: samples.place.iter().map(cell).collect(),
+        })
+    }
+
+    fn stretch(&self, from: usize, to: usize, z: f64) -> Stretch {
+        let edge = |k: usize| self.lo + self.width * k as f64;
+        Stretch {
+            from: edge(from),
+            to: edge(to),
+            z,
+        }
+    }
+}
+
+/// Friction on the plate up to each edge of the cells: friction on a stretch is the difference of two such columns, and whitening and
+/// projecting are linear, so that each cell is whitened once for all stretches that it lies on.
+struct Sums {
+    /// Whitened; column e belongs to the cells before edge e.
+    white: DMatrix<f64>,
+    /// With the model's directions taken out.
+    free: DMatrix<f64>,
+    /// Samples before each edge.
+    samples: Vec<usize>,
+}
+
+impl Sums {
+    fn new(stand: &Stand, ground: &Ground, cells: &Cells, scale: &[f64]) -> Self {
+        let mut own = DMatrix::zeros(scale.len(), cells.count);
+        let mut samples = vec![0; cells.count + 1];
+        for (i, (&cell, &friction)) in cells.of_sample.iter().zip(scale).enumerate() {
+            own[(i, cell)] = friction;
+            samples[cell + 1] += usize::from(friction != 0.0);
+        }
+        let white = summed(&stand.whiten_own(&own));
+        for edge in 1..samples.len() {
+            samples[edge] += samples[edge - 1];
+        }
+        Self {
+            free: ground.project(&white),
+            white,
+            samples,
+        }
+    }
+
+    /// Signed deviate of friction between two edges; `None` where too few samples lie there, or elsewhere.
+    fn deviate(&self, ground: &Ground, from: usize, to: usize) -> Option<f64> {
+        let on_it = self.samples[to] - self.samples[from];
+        if on_it < FEWEST || self.white.nrows() < on_it + FEWEST {
             return None;
         }
-        let direction = ground.direction(&white.columns(j, 1).into_owned())?;
+        let between = |sums: &DMatrix<f64>| sums.column(to) - sums.column(from);
+        let direction = ground.along(between(&self.free), between(&self.white).norm())?;
         let score = ground.score(&direction);
         let sign = score.coefficients.first().map_or(0.0, |c| c.signum());
-        let z = sign * score.z();
-        Some(Stretch { from, to, z })
-    });
-    each.collect()
+        Some(sign * score.z())
+    }
+}
+
+/// Column e: the sum of the columns before e.
+fn summed(own: &DMatrix<f64>) -> DMatrix<f64> {
+    let (n, count) = own.shape();
+    let mut sums = DMatrix::zeros(n, count + 1);
+    for k in 0..count {
+        let next = sums.column(k) + own.column(k);
+        sums.set_column(k + 1, &next);
+    }
+    sums
 }
 
 /// Spread (at least 1) and freedom of the stretches' deviates, from their median and their ninth decile.
