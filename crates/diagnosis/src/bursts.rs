@@ -18,18 +18,20 @@ const WINDOW: usize = 40;
 /// Beyond so many standard deviations a sample is a blow and says nothing more about unrest or rhythm.
 const CLIP: f64 = 3.0;
 
-/// The strongest burst in the whitened residual.
-pub(crate) fn bursts(ground: &Ground, samples: &Samples, names: &[String]) -> Lack {
+/// The strongest burst in the whitened residual. Of a channel so coarse that its record is a staircase the residual is what lies `beyond` the
+/// rounding: nothing most of the time, and in stretches whatever roughness carries a level over its edge. Unrest and rhythm cannot be
+/// told from that; a single blow can.
+pub(crate) fn bursts(ground: &Ground, samples: &Samples, names: &[String], beyond: bool) -> Lack {
     let y = ground.y.rows(0, samples.len()).into_owned();
     let mean_square = y.norm_squared() / y.len().max(1) as f64;
     let y = y.unscale(mean_square.sqrt().max(f64::MIN_POSITIVE));
     let clipped = y.map(|v| v.clamp(-CLIP, CLIP));
-    let searches = [
-        unrest(&clipped, samples, names),
-        rhythm(&clipped, samples, names),
-        crowd(&y, samples, names),
-        blow(&y, samples, names),
-    ];
+    let mut searches = vec![blow(&y, samples, names)];
+    if !beyond {
+        searches.push(unrest(&clipped, samples, names));
+        searches.push(rhythm(&clipped, samples, names));
+        searches.push(crowd(&y, samples, names));
+    }
     let price = (searches.len() as f64).ln();
     let mut best = searches
         .into_iter()

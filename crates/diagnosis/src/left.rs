@@ -33,7 +33,7 @@ pub(crate) fn lack(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Lack {
     let coarse = stand.beyond_rounding(bench, subset);
     let ground = coarse.as_ref().unwrap_or(&stand.ground);
     let smooth = general::test(ground, &families, &white, &samples, &names);
-    let burst = bursts(ground, &samples, &names);
+    let burst = bursts(ground, &samples, &names, coarse.is_some());
     let mark = marks(bench, stand, ground, subset, &samples, &scale);
     let paid = |mut lack: Lack, share: f64| {
         lack.log_p = (lack.log_p - share.ln()).min(0.0);

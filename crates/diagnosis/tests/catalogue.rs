@@ -10,7 +10,7 @@ use rig::{Cause, Experiment, Model, Requirement, Station};
 use rigs::{BRISTLE, LUGRE, rich};
 
 /// Ids, stations and reported parameters, as other programs know them.
-const VOCABULARY: [(&str, &str, &[&str]); 38] = [
+const VOCABULARY: [(&str, &str, &[&str]); 39] = [
     (
         "stage-ripple",
         "stage",
@@ -87,6 +87,11 @@ const VOCABULARY: [(&str, &str, &[&str]); 38] = [
         &["distance_m", "of_the_magnitude"],
     ),
     ("dwell-ageing", "history", &["per_decade"]),
+    (
+        "dwell-ageing",
+        "history",
+        &["per_decade", "lost_in_turning"],
+    ),
     (
         "dwell-ageing",
         "history",

@@ -5,7 +5,7 @@
 //! history x load) -> cord tension -> sensor (filter, offsets). All of it is one system of ordinary differential
 //! equations.
 
-use crate::effect::{Clock, Course, Effect, Filter};
+use crate::effect::{Ageing, Clock, Course, Effect, Filter};
 use crate::integrator::Dynamics;
 use crate::law::{Law, Surroundings};
 use crate::machine::{Rig, STANDARD_GRAVITY_M_S2};
@@ -168,13 +168,15 @@ impl Contact<'_> {
                     around.reverse_factors =
                         (1.0 + coulomb_ratio_minus_1, 1.0 + viscous_ratio_minus_1);
                 }
-                Effect::DwellAgeing {
-                    per_decade,
-                    fades_m,
-                } => {
+                Effect::DwellAgeing { per_decade, ends } => {
                     // Decades of rest over one second.
                     let rest_s = self.rest_s.max(1.0);
-                    let left = fades_m.map_or(1.0, |length| (-slid_m / length).exp());
+                    let left = match ends {
+                        Ageing::WithTheRun => 1.0,
+                        Ageing::InTurning if self.inside_s < self.plan.motion.turns_at_s() => 1.0,
+                        Ageing::InTurning => 0.0,
+                        Ageing::Fading(length_m) => (-slid_m / length_m).exp(),
+                    };
                     around.breakaway_factor *= 1.0 + per_decade * rest_s.log10() * left;
                 }
                 _ => {}

@@ -49,6 +49,18 @@ pub enum Clock {
     Day,
 }
 
+/// How long what the level at rest has gained is there.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Ageing {
+    /// As long as the run.
+    WithTheRun,
+    /// Until the motion turns.
+    InTurning,
+    /// Sliding over this distance, m, leaves a share of 1/e.
+    Fading(f64),
+}
+
 /// Which filter a channel has.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -152,12 +164,8 @@ pub enum Effect {
         distance_m: Option<f64>,
         of_magnitude: bool,
     },
-    /// The level at rest grows with the logarithm of the rest before the run; `fades_m`: sliding after which a share of
-    /// 1/e of the growth is left, where sliding wears it off.
-    DwellAgeing {
-        per_decade: f64,
-        fades_m: Option<f64>,
-    },
+    /// The level at rest grows with the logarithm of the rest before the run.
+    DwellAgeing { per_decade: f64, ends: Ageing },
     /// Play between stage and contact; `carried`: a run that goes against the one before it has to cross it first.
     Backlash { gap_m: f64, carried: bool },
     /// The velocity channel is filtered.
@@ -251,7 +259,7 @@ impl Effect {
             Self::StageRipple { wave, .. }
             | Self::SurfaceTexture { wave, .. }
             | Self::LoadOscillation { wave, .. } => *wave == Wave::Sine,
-            Self::DwellAgeing { fades_m, .. } => fades_m.is_none(),
+            Self::DwellAgeing { ends, .. } => *ends == Ageing::WithTheRun,
             Self::CordCompliance { hardening_m, .. } => hardening_m.is_none(),
             Self::Wear { course, .. } => *course == Course::Saturating,
             Self::ThermalSoftening { levels_off, .. } => !levels_off,

@@ -66,6 +66,21 @@ impl Motion {
         piece.v0 + share * (piece.v1 - piece.v0)
     }
 
+    /// When the motion first turns, s; never: infinite.
+    pub fn turns_at_s(&self) -> f64 {
+        let mut way = 0.0;
+        for piece in &self.pieces {
+            if way * piece.v1 < 0.0 {
+                let share = piece.v0.abs() / (piece.v0.abs() + piece.v1.abs());
+                return piece.t0 + share * (piece.t1 - piece.t0);
+            }
+            if piece.v1 != 0.0 {
+                way = piece.v1;
+            }
+        }
+        f64::INFINITY
+    }
+
     /// Mean acceleration over `half_window_s` either way: no stage changes its acceleration in no time.
     pub fn acceleration(&self, time_s: f64, half_window_s: f64) -> f64 {
         let before = if time_s < half_window_s {

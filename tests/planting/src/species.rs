@@ -1,7 +1,7 @@
 //! Draws an effect of a named kind: its size as a multiple of a physically plausible one, its other parameters
 //! (periods, phases, time constants) at random within what such rigs show.
 
-use crate::effect::{Clock, Course, Effect, Filter, Wave};
+use crate::effect::{Ageing, Clock, Course, Effect, Filter, Wave};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
@@ -218,7 +218,11 @@ pub fn draw(
         }
         "dwell-ageing" => Effect::DwellAgeing {
             per_decade: 0.06 * size,
-            fades_m: second.then_some(5.0 * scales.build_up_m),
+            ends: match (second, sign > 0.0) {
+                (false, _) => Ageing::WithTheRun,
+                (true, true) => Ageing::Fading(5.0 * scales.build_up_m),
+                (true, false) => Ageing::InTurning,
+            },
         },
         "backlash" => Effect::Backlash {
             gap_m: 0.15 * size * scales.build_up_m,

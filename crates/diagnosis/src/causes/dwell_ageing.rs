@@ -1,12 +1,14 @@
 //! The static level grows with rest: s (1 + b log10(rest/1 s)) for rests above 1 s, b per decade. The rest is that before the
 //! run; a stand of the stage inside a run counts from its end on. What came before the first run is not recorded: it is
-//! taken as the median of the other rests. What was gained lasts for the motion, or sliding wears it off: then b fades
-//! as exp(-x/d), x the distance slid since the stand (m), d a distance (m).
+//! taken as the median of the other rests. What was gained lasts for the motion, or is lost where the motion turns, or sliding wears it
+//! off: then b fades as exp(-x/d), x the distance slid since the stand (m), d a distance (m).
+
+use std::collections::BTreeMap;
 
 use friction::{LawKind, ParameterSpec, Scalar};
-use rig::{Cause, Experiment, Place, Reach, Requirement, Station};
+use rig::{Cause, Experiment, Place, Reach, Reported, Requirement, Station};
 
-use super::grids;
+use super::{grids, marker};
 
 const DESCRIPTION: &str = "Static friction grows with the time of rest.";
 
@@ -58,6 +60,83 @@ impl Cause for DwellAgeing {
             *gain *= p[0] * since.rest_s.max(1.0).log10() + 1.0;
         }
     }
+}
+
+/// What was gained is lost where the motion turns.
+#[derive(Clone, Copy, Debug)]
+pub struct TurnedAgeing;
+
+/// Beside the growth, what tells this form from the plain one in a file.
+const LOST: &str = "lost_in_turning";
+
+impl Cause for TurnedAgeing {
+    fn id(&self) -> &'static str {
+        DwellAgeing.id()
+    }
+
+    fn variant(&self) -> Option<&'static str> {
+        Some("lost where the motion turns")
+    }
+
+    fn station(&self) -> Station {
+        DwellAgeing.station()
+    }
+
+    fn reach(&self) -> Reach {
+        DwellAgeing.reach()
+    }
+
+    fn describe(&self) -> &'static str {
+        DESCRIPTION
+    }
+
+    fn parameters(&self) -> &'static [ParameterSpec] {
+        PARAMETERS
+    }
+
+    fn requirements(&self) -> &'static [Requirement] {
+        &[Requirement::Clock, Requirement::Reversals]
+    }
+
+    fn applies_to(&self, law: LawKind) -> bool {
+        DwellAgeing.applies_to(law)
+    }
+
+    fn reported(&self, fitted: &[f64]) -> Vec<Reported> {
+        marker::marked(DwellAgeing.reported(fitted), LOST)
+    }
+
+    fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
+        marker::demanded(reported, LOST)?;
+        DwellAgeing.from_reported(reported)
+    }
+
+    fn rest_gain<D: Scalar>(&self, p: &[D], at: Place<'_>, gain: &mut [D]) {
+        for ((gain, since), turned) in gain.iter_mut().zip(last_stand(at)).zip(turned(at)) {
+            let decades = if turned { 0.0 } else { since.rest_s.max(1.0).log10() };
+            *gain *= p[0] * decades + 1.0;
+        }
+    }
+}
+
+/// Whether the motion has turned between the last stand and the step from each sample to the next one.
+fn turned(at: Place<'_>) -> Vec<bool> {
+    let speed = &at.run.velocity_m_s;
+    let (mut way, mut turned, mut still) = (0.0, false, 0);
+    (0..speed.len())
+        .map(|i| {
+            let now = speed[i];
+            if now == 0.0 {
+                still += 1;
+            } else {
+                // a single sample of rest is a start or a reversal, not a stand
+                let stood = still > 1;
+                turned = !stood && (turned || now * way < 0.0);
+                (way, still) = (now, 0);
+            }
+            turned
+        })
+        .collect()
 }
 
 /// Sliding wears off what was gained.

@@ -43,7 +43,7 @@ catalogue! {
     clock_offset::ClockOffset;
     direction_asymmetry::DirectionAsymmetry;
     frictional_memory::MemoryInTime, MemoryInDistance, MagnitudeInTime, MagnitudeInDistance;
-    dwell_ageing::DwellAgeing, FadingAgeing;
+    dwell_ageing::DwellAgeing, TurnedAgeing, FadingAgeing;
     backlash::Backlash, CarriedBacklash;
     velocity_lag::VelocityLag;
     load_crosstalk::LoadCrosstalk;

@@ -207,6 +207,9 @@ const MOST_RATIO: f64 = 5.0;
 /// The plate's length over the longest of a roughness that is longer than the private one.
 const LONGEST_PLATE_SHARE: f64 = 40.0;
 
+/// Where of plate and runs one has this share of the other's roughness, or less, it may have been lost on the way.
+const LOST: f64 = 0.1;
+
 /// A length nearer to its bound than this share lies on it.
 const ON_BOUND: f64 = 0.05;
 
@@ -388,6 +391,7 @@ impl Frame {
     /// The former sizes, or the best of a coarse grid over length and share of the sensor noise.
     fn best_start(&self, criterion: &Criterion<'_>, options: &EstimateOptions) -> Vec<f64> {
         if let Some(s) = options.search.start() {
+            let s = self.shared_out(criterion, s);
             let log = |x: f64, k: usize| {
                 let (lo, hi) = self.bounds[k];
                 x.max(f64::MIN_POSITIVE).ln().clamp(lo + 2.0, hi)
@@ -433,6 +437,30 @@ impl Frame {
             .collect();
         let best = (0..points.len()).min_by(|&a, &b| values[a].total_cmp(&values[b]));
         points.swap_remove(best.unwrap_or(0))
+    }
+
+    /// Former sizes with the roughness shared between plate and runs where nearly all of it was in one of them and the shared one is
+    /// likelier now: along the logarithm of a part that is next to nothing no slope leads back.
+    fn shared_out(&self, criterion: &Criterion<'_>, former: Sizes) -> Sizes {
+        let (low, high) = (
+            former.plate.min(former.private),
+            former.plate.max(former.private),
+        );
+        if !self.plate || low > LOST * high {
+            return former;
+        }
+        let half = high / 2.0_f64.sqrt();
+        let shared = Sizes {
+            plate: half,
+            private: half,
+            ..former
+        };
+        let value = |sizes: &Sizes| criterion.value(sizes, COARSE * former.node_spacing());
+        if value(&shared) < value(&former) {
+            shared
+        } else {
+            former
+        }
     }
 
     /// A part without which the data are as likely is zero, and exactly so.
