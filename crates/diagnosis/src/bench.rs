@@ -28,12 +28,21 @@ pub(crate) struct Bench<'a> {
     pub(crate) prior: Option<Prior>,
     /// Accuracy of the sensor as stated, N.
     pub(crate) stated_sensor: Option<f64>,
-    /// Whether some condition was repeated.
-    pub(crate) repeats: bool,
+    /// Condition of each run; runs of one condition are repeats.
+    pub(crate) conditions: Vec<usize>,
     /// Samples that say nothing (a clipped channel).
     pub(crate) masked: Vec<bool>,
     /// Step of the force channel, N, where all forces are multiples of one.
     pub(crate) step_n: Option<f64>,
+}
+
+/// The condition of each run of a campaign.
+pub(crate) fn conditions(campaign: &Campaign) -> Vec<usize> {
+    let mut own = vec![0; campaign.runs.len()];
+    for (condition, runs) in campaign.conditions().into_iter().enumerate() {
+        runs.into_iter().for_each(|run| own[run] = condition);
+    }
+    own
 }
 
 /// A law with effects, fitted to the runs of a subset.
@@ -310,10 +319,16 @@ impl<'a> Bench<'a> {
             catalogue: self.catalogue.iter().map(|c| c.boxed()).collect(),
             prior: self.prior.clone(),
             stated_sensor: self.stated_sensor,
-            repeats: self.repeats,
+            conditions: conditions(&short.campaign),
             masked: short.masked.clone(),
             step_n: self.step_n,
         }
+    }
+
+    /// Whether some condition was repeated.
+    pub(crate) fn repeats(&self) -> bool {
+        let last = self.conditions.iter().max();
+        last.is_some_and(|last| last + 1 < self.conditions.len())
     }
 
     /// Samples whose mechanics must be computed, runs with the same motion counted once.
@@ -499,7 +514,7 @@ impl<'a> Bench<'a> {
             &subset.gather_columns(within),
             &EstimateOptions {
                 stated_sensor: self.stated_sensor,
-                repeats: self.repeats,
+                repeats: self.repeats(),
                 search,
                 uncertainty: false,
                 smooth,

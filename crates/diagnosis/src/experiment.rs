@@ -109,6 +109,7 @@ fn distance(
     let before: Vec<f64> = of_a.iter().zip(&of_b).map(|(p, q)| p - q).collect();
     let mut context = Context {
         runs: Vec::new(),
+        conditions: Vec::new(),
         sliding: Vec::new(),
         place: Vec::new(),
         scale: friction,

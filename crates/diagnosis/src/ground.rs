@@ -17,7 +17,8 @@
 //! ```
 //!
 //! weighs the tail probabilities. Where runs tell the scatter from few degrees of freedom this is Student's t, and an
-//! effect that lives within runs loses nothing.
+//! effect that lives within runs loses nothing. Where what the model leaves of whole conditions contradicts their repeats, it is no scatter:
+//! then p(s | repeats) weighs them, whatever the effect.
 
 use fitting::noise::{ScatterEvidence, free_gains};
 use nalgebra::{Cholesky, DMatrix, DVector};
@@ -39,6 +40,8 @@ pub(crate) struct Ground {
     lambda: Vec<f64>,
     turned: Vec<f64>,
     scatters: Vec<(f64, f64)>,
+    /// What repeats say of the scatter, where they alone are believed.
+    repeats: Option<ScatterEvidence>,
 }
 
 /// A tested effect in these coordinates.
@@ -87,24 +90,32 @@ impl Ground {
         jacobian: &DMatrix<f64>,
         gains: &DMatrix<f64>,
         residual: &DVector<f64>,
+        conditions: &[usize],
     ) -> Self {
         let basis = orthonormal(jacobian, 1e-9).0;
         let y = residual - &basis * basis.tr_mul(residual);
         let free = gains - &basis * basis.tr_mul(gains);
         let (lambda, turn) = free_gains(gains, &free);
+        let whole_gains = gains;
         let gains = &free * &turn;
         let turned: Vec<f64> = gains.tr_mul(&y).iter().copied().collect();
         let evidence = ScatterEvidence {
             lambda: lambda.clone(),
             score: turned.clone(),
         };
-        // The nodes of the scatter are kept; their weights are those of the prior, likelihoods differ by hypothesis.
-        let scatters = evidence
+        let repeats = evidence.contradicted(&whole_gains, jacobian, residual, conditions);
+        // The nodes of the scatter are kept; their weights are those of the prior, likelihoods differ by hypothesis. Repeats say the same
+        // beside every hypothesis.
+        let known = |s: f64| match &repeats {
+            None => 0.5 * evidence.deviance(s),
+            Some(_) => 0.0,
+        };
+        let scatters = (repeats.as_ref().unwrap_or(&evidence))
             .posterior()
             .into_iter()
             .map(|(s, w)| {
                 let log_prior = if w > 0.0 {
-                    w.ln() + 0.5 * evidence.deviance(s)
+                    w.ln() + known(s)
                 } else {
                     f64::NEG_INFINITY
                 };
@@ -118,6 +129,7 @@ impl Ground {
             lambda,
             turned,
             scatters,
+            repeats,
         }
     }
 
@@ -186,8 +198,14 @@ impl Ground {
                 .zip(&self.turned)
                 .map(|(l, t)| (s2 * l).ln_1p() - s2 * t * t / (1.0 + s2 * l))
                 .sum();
-            let log_likelihood = -0.5 * (between + log_det - statistic);
-            log_weights.push(log_likelihood + log_prior);
+            let log_likelihood = match &self.repeats {
+                None => -0.5 * (between + log_det - statistic),
+                Some(repeats) => -0.5 * repeats.deviance(s),
+            };
+            log_weights.push(match &self.repeats {
+                None => log_likelihood + log_prior,
+                Some(_) => log_prior,
+            });
             log_tails.push(log_chi2_tail(statistic, k));
             if log_likelihood > best.0 {
                 best = (log_likelihood, s, statistic, coefficients);
@@ -301,10 +319,10 @@ impl Ground {
     }
 
     fn evidence(&self) -> ScatterEvidence {
-        ScatterEvidence {
+        self.repeats.clone().unwrap_or_else(|| ScatterEvidence {
             lambda: self.lambda.clone(),
             score: self.turned.clone(),
-        }
+        })
     }
 
     /// V(s)^-1 y.
@@ -437,7 +455,7 @@ mod tests {
         for _ in 0..trials {
             let b: Vec<f64> = (0..runs).map(|_| 1.6 * normal(&mut rng)).collect();
             let r = DVector::from_fn(n, |i, _| b[i / each] + normal(&mut rng));
-            let ground = Ground::new(&mean, &gains, &r);
+            let ground = Ground::new(&mean, &gains, &r, &[]);
             assert_eq!(ground.scatter_freedom(), 4);
             for (hit, effect) in hits.iter_mut().zip([&between, &within]) {
                 let direction = ground.direction(effect).expect("not absorbed");

@@ -14,6 +14,9 @@ use crate::subset::Subset;
 /// Samples, repeats counted once, up to which a mass on a cord is fitted from several starts.
 pub(crate) const MOST_SAMPLES_AFRESH: usize = 15_000;
 
+/// Lines of a periodic cause from which fits begin, those that score best.
+const MOST_LINES_FITTED: usize = 24;
+
 /// Joint fits of the stand's model with each candidate, from the candidate's starts and from what is `known` of it; best first
 /// under the stand's noise.
 pub(crate) fn joint_fits(
@@ -40,9 +43,9 @@ pub(crate) fn joint_fits(
                 nearest_about(bench, subset, stand, candidate, &whitener)
             } else {
                 let same = known.iter().filter(|(cause, _)| *cause == candidate.cause);
-                // Where one start is not enough, a searched period is begun from all of its lines.
+                // Where one start is not enough, a searched period is begun from many of its lines.
                 let searched = starts > 1 && bench.catalogue[candidate.cause].is_periodic();
-                let most = if searched { usize::MAX } else { starts };
+                let most = if searched { MOST_LINES_FITTED } else { starts };
                 let own = candidate.starts.iter().take(most);
                 let own = own.chain(same.map(|(_, parameters)| parameters));
                 own.filter_map(|own| extended(bench, &stand.fitted, candidate.cause, own))

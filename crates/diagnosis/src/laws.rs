@@ -194,7 +194,7 @@ fn with_law<'a>(bench: &Bench<'a>, law: LawKind) -> Option<Bench<'a>> {
         catalogue: Vec::new(),
         prior: None,
         stated_sensor: bench.stated_sensor,
-        repeats: bench.repeats,
+        conditions: bench.conditions.clone(),
         masked: bench.masked.clone(),
         step_n: bench.step_n,
     })

@@ -44,9 +44,10 @@ const APART: f64 = 0.6;
 /// runs over different places interfere.
 const MOST_RISE: f64 = 2.0;
 
-/// Neighbours of a line on either side, and the ratio of each to the next.
-const NEIGHBOURS: i32 = 8;
-const NEIGHBOUR: f64 = 1.05;
+/// Neighbours of a line, up to this share of its frequency and so many on either side. What begins at both ends of a plate, or in a few moments of
+/// a run, looks alike at frequencies that are whole cycles over the longest stretch apart: neighbours are half a cycle apart.
+const NEIGHBOURHOOD: f64 = 0.3;
+const NEIGHBOURS: i32 = 60;
 
 impl Peaks {
     pub(crate) fn none() -> Self {
@@ -98,12 +99,19 @@ impl Peaks {
         Self { found }
     }
 
-    /// The same with further lines for one cause: the neighbours of one, a few per cent apart.
-    pub(crate) fn with_neighbours(mut self, cause: usize, frequency: f64) -> Self {
+    /// The same with further lines for one cause: the neighbours of one.
+    pub(crate) fn with_neighbours(
+        mut self,
+        bench: &Bench<'_>,
+        cause: usize,
+        frequency: f64,
+    ) -> Self {
+        let half_cycle = 0.5 / stretch(bench, cause);
         if let Some(looked) = self.found.iter_mut().find(|f| f.cause == cause) {
-            let ratios = (-NEIGHBOURS..=NEIGHBOURS).map(|k| NEIGHBOUR.powi(k));
-            looked.lines.extend(ratios.map(|ratio| Line {
-                frequency: ratio * frequency,
+            let near = (-NEIGHBOURS..=NEIGHBOURS).map(|k| f64::from(k) * half_cycle);
+            let near = near.filter(|shift| shift.abs() <= NEIGHBOURHOOD * frequency);
+            looked.lines.extend(near.map(|shift| Line {
+                frequency: frequency + shift,
                 background: 1.0,
             }));
         }
@@ -133,21 +141,26 @@ impl Peaks {
 
     /// The same search with one line for each cause, of as many periods over its longest stretch.
     pub(crate) fn with_periods(mut self, bench: &Bench<'_>, periods: f64) -> Self {
-        let samples = &bench.samples;
         for looked in &mut self.found {
-            let in_time = period(bench, looked.cause).is_some_and(|p| p.1);
-            let coordinate = if in_time {
-                &samples.time
-            } else {
-                &samples.place
-            };
             looked.lines = vec![Line {
-                frequency: periods / longest(samples, coordinate).max(1e-9),
+                frequency: periods / stretch(bench, looked.cause),
                 background: 1.0,
             }];
         }
         self
     }
+}
+
+/// The longest stretch of one run that a periodic cause passes, m or s.
+fn stretch(bench: &Bench<'_>, cause: usize) -> f64 {
+    let samples = &bench.samples;
+    let in_time = period(bench, cause).is_some_and(|p| p.1);
+    let coordinate = if in_time {
+        &samples.time
+    } else {
+        &samples.place
+    };
+    longest(samples, coordinate).max(1e-9)
 }
 
 /// What a periodic cause may look like: bands of frequency with an envelope each; `None` where nothing passes by, or where the

@@ -4,7 +4,7 @@ use campaign::{Campaign, Protocol};
 use friction::LawKind;
 use rig::{Experiment, ModelFile};
 
-use crate::bench::Bench;
+use crate::bench::{Bench, conditions};
 use crate::causes;
 use crate::diagnose::{DiagnosisError, Options};
 use crate::integrity::{beside_flat_top, inspect};
@@ -77,7 +77,7 @@ pub(crate) fn bench<'a>(
         catalogue,
         prior,
         stated_sensor,
-        repeats: campaign.conditions().iter().any(|c| c.len() > 1),
+        conditions: conditions(campaign),
         masked,
         step_n: numbers.resolution.map(|step| step.value),
     })

@@ -220,7 +220,7 @@ pub(crate) fn scan_period(
 ) -> Scan {
     let mut peaks = Peaks::find(bench, subset, stand, scatter);
     if let Some(frequency) = frequency(bench, cause, at) {
-        peaks = peaks.with_neighbours(cause, frequency);
+        peaks = peaks.with_neighbours(bench, cause, frequency);
     }
     let others: Vec<usize> = (0..bench.catalogue.len()).filter(|&c| c != cause).collect();
     scan_with(bench, subset, stand, &peaks, &others)

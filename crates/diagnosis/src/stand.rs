@@ -17,6 +17,8 @@ pub(crate) struct Likelihood {
     white_gains: DMatrix<f64>,
     /// Whitened residual with the prior's rows.
     white: DVector<f64>,
+    /// Condition of each run.
+    conditions: Vec<usize>,
     /// -2 log likelihood, the scatter between runs at its likeliest.
     pub(crate) deviance: f64,
     scatter: ScatterDeviance,
@@ -57,6 +59,7 @@ impl Likelihood {
             whitener,
             white_gains,
             white,
+            conditions: context.conditions.clone(),
             scatter,
         }
     }
@@ -83,6 +86,8 @@ pub(crate) struct Stand {
     white_gains: DMatrix<f64>,
     /// Whitened residual with the prior's rows.
     white: DVector<f64>,
+    /// Condition of each run.
+    conditions: Vec<usize>,
     /// Rows that a prior adds.
     pub(crate) prior_rows: usize,
     /// -2 log likelihood, the scatter between runs at its likeliest.
@@ -109,6 +114,7 @@ impl Stand {
             white_gains,
             white,
             deviance,
+            conditions,
             ..
         } = likelihood;
         let (jacobian, columns) = bench.jacobian(subset, &fitted);
@@ -120,7 +126,7 @@ impl Stand {
             &owners,
         );
         let prior_rows = prior.map_or(0, |p| p.values.len());
-        let ground = Ground::new(&white_jacobian, &white_gains, &white);
+        let ground = Ground::new(&white_jacobian, &white_gains, &white, &conditions);
         Self {
             fitted,
             sizes,
@@ -131,6 +137,7 @@ impl Stand {
             white_jacobian,
             white_gains,
             white,
+            conditions,
             prior_rows,
             deviance,
         }
@@ -171,7 +178,12 @@ impl Stand {
             self.whitener.whiten(&left),
             &self.fitted.parameters,
         );
-        Some(Ground::new(&self.white_jacobian, &self.white_gains, &white))
+        Some(Ground::new(
+            &self.white_jacobian,
+            &self.white_gains,
+            &white,
+            &self.conditions,
+        ))
     }
 
     /// The gains of the runs beside the fit, the model's directions left in them.

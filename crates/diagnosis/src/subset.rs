@@ -111,6 +111,7 @@ impl Subset {
         let seen = |(&i, &step): (&usize, &f64)| place[i] - self.late.at_s(step) * velocity[i];
         Context {
             runs: self.ranges.clone(),
+            conditions: self.conditions(bench),
             sliding: pick(&bench.samples.sliding),
             place: self.rows.iter().zip(&steps_s).map(seen).collect(),
             scale: self.gather(scale).as_slice().to_vec(),
@@ -120,6 +121,19 @@ impl Subset {
             }),
             rows: bench.samples.averaged_at(&self.rows),
         }
+    }
+
+    /// Condition of each run, counted anew.
+    fn conditions(&self, bench: &Bench<'_>) -> Vec<usize> {
+        let mut met: Vec<usize> = Vec::new();
+        let own = self.runs.iter().map(|&run| bench.conditions[run]);
+        own.map(|condition| {
+            met.iter().position(|m| *m == condition).unwrap_or_else(|| {
+                met.push(condition);
+                met.len() - 1
+            })
+        })
+        .collect()
     }
 
     /// Time since the sample before, s; zero at the first of a run.

@@ -11,6 +11,9 @@ use super::channel::{Channel, Undone};
 pub struct Context {
     /// Samples of each run, in order, without gaps between them.
     pub runs: Vec<Range<usize>>,
+    /// Condition of each run: runs of one condition are repeats. Empty where the mean is trusted to tell conditions apart, so that what
+    /// differs between them beyond it is scatter like any other.
+    pub conditions: Vec<usize>,
     /// Distance slid since the start of the run, m (or rad), never decreasing within a run.
     pub sliding: Vec<f64>,
     /// Position on the plate, m (or rad).

@@ -147,10 +147,12 @@ pub fn estimate(
     }
 
     let whitener = Whitener::new(context, &sizes);
-    let scatter = ScatterEvidence::new(
-        &whitener.whiten_columns(&gain_columns_limited(context)),
+    let (gains, conditions) = gain_columns_limited(context);
+    let scatter = ScatterEvidence::of_repeats(
+        &whitener.whiten_columns(&gains),
         &whitener.whiten_columns(jacobian),
         &whitener.whiten(residual),
+        &conditions,
     );
     sizes.scatter = scatter.estimate();
     NoiseModel {
@@ -165,12 +167,12 @@ pub fn estimate(
     }
 }
 
-/// Gains of all runs, or for very many of 96 of them, evenly chosen.
-fn gain_columns_limited(context: &Context) -> DMatrix<f64> {
+/// Gains of all runs, or for very many of 96 of them, evenly chosen; and the conditions of the runs, where gains are of all.
+fn gain_columns_limited(context: &Context) -> (DMatrix<f64>, Vec<usize>) {
     const MOST: usize = 96;
     let runs = context.runs.len();
     if runs <= MOST {
-        return gain_columns(context);
+        return (gain_columns(context), context.conditions.clone());
     }
     let mut gains = DMatrix::zeros(context.samples(), MOST);
     for c in 0..MOST {
@@ -179,7 +181,7 @@ fn gain_columns_limited(context: &Context) -> DMatrix<f64> {
         }
         context.recorded(gains.column_mut(c).as_mut_slice());
     }
-    gains
+    (gains, Vec::new())
 }
 
 /// Coordinates of the search: logarithms of sensor, private, plate, length and, where the record asks for one, of a further number.

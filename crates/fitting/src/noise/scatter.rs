@@ -7,8 +7,13 @@
 //! ```text
 //! -2 log L(s) = sum_k [ log(1 + s^2 lambda_k) - s^2 t_k^2 / (1 + s^2 lambda_k) ] + const              (N2)
 //! ```
+//!
+//! A mean that is wrong differs from whole conditions, and what it misses there is no scatter. Repeats know better: with a gain free for
+//! every condition, the same evidence is that of repeats alone. Where the rest is too large for what they show, it is an error of the
+//! mean, and repeats alone are believed (the test for lack of fit against pure error).
 
 use nalgebra::{DMatrix, DVector};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::context::Context;
 
@@ -33,6 +38,59 @@ impl ScatterEvidence {
             lambda,
             score: turn.tr_mul(&score).iter().copied().collect(),
         }
+    }
+
+    /// The same where runs of one condition are repeats: of them alone where what the mean leaves of whole conditions contradicts them.
+    pub fn of_repeats(
+        gains: &DMatrix<f64>,
+        mean: &DMatrix<f64>,
+        residual: &DVector<f64>,
+        conditions: &[usize],
+    ) -> Self {
+        let all = Self::new(gains, mean, residual);
+        all.contradicted(gains, mean, residual, conditions)
+            .unwrap_or(all)
+    }
+
+    /// The evidence of repeats alone where this one, of all directions between runs, contradicts it.
+    pub fn contradicted(
+        &self,
+        gains: &DMatrix<f64>,
+        mean: &DMatrix<f64>,
+        residual: &DVector<f64>,
+        conditions: &[usize],
+    ) -> Option<Self> {
+        let count = conditions.iter().max().map_or(0, |last| last + 1);
+        if conditions.len() < count + FEWEST_REPEATS {
+            return None;
+        }
+        let p = mean.ncols();
+        let mut free = mean.clone().resize_horizontally(p + count, 0.0);
+        for (gain, &condition) in gains.column_iter().zip(conditions) {
+            let mut own = free.column_mut(p + condition);
+            own += gain;
+        }
+        let repeats = Self::new(gains, &free, residual);
+        let further = self
+            .degrees_of_freedom()
+            .saturating_sub(repeats.degrees_of_freedom());
+        if repeats.degrees_of_freedom() < FEWEST_REPEATS || further == 0 {
+            return None;
+        }
+        let tail = ChiSquared::new(further as f64).ok()?;
+        let of_conditions = |s: f64| self.distance(s) - repeats.distance(s);
+        let each = repeats.posterior();
+        let probability: f64 = (each.iter())
+            .map(|&(s, weight)| weight * tail.sf(of_conditions(s).max(0.0)))
+            .sum();
+        (probability < CONTRADICTION).then_some(repeats)
+    }
+
+    /// sum t^2 / (lambda (1 + s^2 lambda)): chi-squared if s is the scatter.
+    fn distance(&self, scatter: f64) -> f64 {
+        let s2 = scatter * scatter;
+        let each = self.lambda.iter().zip(&self.score);
+        each.map(|(l, t)| t * t / (l * (1.0 + s2 * l))).sum()
     }
 
     /// Directions between runs that are left to estimate the scatter from.
@@ -112,6 +170,11 @@ impl ScatterEvidence {
         if self.deviance(s) < 0.0 { s } else { 0.0 }
     }
 }
+
+/// Directions between repeats from which a scatter is known well enough to contradict anything.
+const FEWEST_REPEATS: usize = 3;
+/// Probability below which what the mean leaves of conditions is no scatter.
+const CONTRADICTION: f64 = 1e-3;
 
 /// A direction between runs tells of the scatter where the mean leaves more than this share of its squared length. Of what is left of
 /// others an error of the mean makes scatters of many hundred percent, beside which every effect is nothing.

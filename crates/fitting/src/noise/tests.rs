@@ -15,6 +15,7 @@ use super::*;
 /// Three forward and three reverse uniformly accelerated runs over a plate of 0.1 m, force rising from zero.
 fn ramps(samples: usize, pairs: usize) -> Context {
     let mut context = Context {
+        conditions: Vec::new(),
         runs: Vec::new(),
         sliding: Vec::new(),
         place: Vec::new(),

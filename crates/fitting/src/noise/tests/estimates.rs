@@ -296,3 +296,53 @@ fn what_the_mean_leaves_of_a_gain_is_no_scatter() {
         missed.estimate()
     );
 }
+
+/// Three runs each way with a scatter of 1 %, and a mean that misses what the two ways differ by: 2 % may be scatter, 30 % is none, and
+/// repeats alone say how large the scatter is.
+#[test]
+fn what_a_mean_misses_of_whole_conditions_is_no_scatter() {
+    let context = ramps(60, 3);
+    let gains = gain_columns(&context).scale(1e3);
+    let conditions = [0, 1, 0, 1, 0, 1];
+    let ways = DVector::from_fn(6, |k, _| if conditions[k] == 0 { 1.0 } else { -1.0 });
+    let nothing = DMatrix::zeros(gains.nrows(), 0);
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let mut noise = |n: usize| DVector::from_fn(n, |_, _| StandardNormal.sample(&mut rng));
+    let scattered = &gains * noise(6).scale(0.01) + noise(gains.nrows());
+    let evidence = |missed: f64, conditions: &[usize]| {
+        let record = &scattered + &gains * ways.scale(missed);
+        ScatterEvidence::of_repeats(&gains, &nothing, &record, conditions)
+    };
+    let little = evidence(0.02, &conditions);
+    assert_eq!(little.degrees_of_freedom(), 6);
+    let much = evidence(0.3, &conditions);
+    assert_eq!(much.degrees_of_freedom(), 4);
+    assert!(
+        (much.estimate() / 0.01).ln().abs() < 0.7,
+        "{}",
+        much.estimate()
+    );
+    // Without repeats there is nothing to hold it against.
+    let told_apart = evidence(0.3, &[0, 1, 2, 3, 4, 5]);
+    assert!(told_apart.estimate() > 0.2, "{}", told_apart.estimate());
+}
+
+/// Healthy scatter, whatever its size, is called an error of the mean once in a thousand: 4,000 draws of three runs each way.
+#[test]
+fn healthy_scatter_seldom_contradicts_its_repeats() {
+    let context = ramps(20, 3);
+    let gains = gain_columns(&context).scale(1e3);
+    let nothing = DMatrix::zeros(gains.nrows(), 0);
+    let mut rng = ChaCha8Rng::seed_from_u64(8);
+    let mut noise = |n: usize| DVector::from_fn(n, |_, _| StandardNormal.sample(&mut rng));
+    let draws = 4000;
+    let contradicted = (0..draws).filter(|draw| {
+        let scatter = [0.0, 0.003, 0.01, 0.1][draw % 4];
+        let record = &gains * noise(6).scale(scatter) + noise(gains.nrows());
+        let found = ScatterEvidence::of_repeats(&gains, &nothing, &record, &[0, 1, 0, 1, 0, 1]);
+        found.degrees_of_freedom() < 6
+    });
+    // 4 expected.
+    let contradicted = contradicted.count();
+    assert!(contradicted <= 11, "{contradicted} of {draws}");
+}
