@@ -117,6 +117,9 @@ pub fn estimate(
     let start = frame.best_start(&criterion, options);
     let mut evaluations = frame.starts;
     let mut minimum = frame.search(&criterion, start, options.search, &mut evaluations);
+    if let Some(shared) = frame.shared_out(&criterion, &minimum, &mut evaluations) {
+        minimum = shared;
+    }
     // What rows are the means of is known of exponential roughness only.
     let exponential = minimum.point.len() == MORE && options.search != Search::Near;
     if options.smooth && exponential && context.rows.is_empty() {
@@ -393,7 +396,6 @@ impl Frame {
     /// The former sizes, or the best of a coarse grid over length and share of the sensor noise.
     fn best_start(&self, criterion: &Criterion<'_>, options: &EstimateOptions) -> Vec<f64> {
         if let Some(s) = options.search.start() {
-            let s = self.shared_out(criterion, s);
             let log = |x: f64, k: usize| {
                 let (lo, hi) = self.bounds[k];
                 x.max(f64::MIN_POSITIVE).ln().clamp(lo + 2.0, hi)
@@ -441,28 +443,28 @@ impl Frame {
         points.swap_remove(best.unwrap_or(0))
     }
 
-    /// Former sizes with the roughness shared between plate and runs where nearly all of it was in one of them and the shared one is
-    /// likelier now: along the logarithm of a part that is next to nothing no slope leads back.
-    fn shared_out(&self, criterion: &Criterion<'_>, former: Sizes) -> Sizes {
-        let (low, high) = (
-            former.plate.min(former.private),
-            former.plate.max(former.private),
-        );
-        if !self.plate || low > LOST * high {
-            return former;
+    /// Where nearly all roughness has ended in plate or runs: the likeliest sizes from both sharing it, if those are likelier. Along the
+    /// logarithm of a part that is next to nothing no slope leads back, and a long first step may have led there.
+    fn shared_out(
+        &self,
+        criterion: &Criterion<'_>,
+        found: &search::Minimum,
+        evaluations: &mut usize,
+    ) -> Option<search::Minimum> {
+        let (plate, private) = (found.point[PLATE], found.point[PRIVATE]);
+        if !self.plate || (plate - private).abs() < -LOST.ln() {
+            return None;
         }
-        let half = high / 2.0_f64.sqrt();
-        let shared = Sizes {
-            plate: half,
-            private: half,
-            ..former
-        };
-        let value = |sizes: &Sizes| criterion.value(sizes, COARSE * former.node_spacing());
-        if value(&shared) < value(&former) {
-            shared
-        } else {
-            former
+        let mut start = found.point.clone();
+        let half = plate.max(private) - 0.5 * 2.0_f64.ln();
+        (start[PLATE], start[PRIVATE]) = (half, half);
+        let sizes = self.sizes(&found.point);
+        *evaluations += 1;
+        if criterion.value(&self.sizes(&start), sizes.node_spacing()) > found.value {
+            return None;
         }
+        let again = self.search(criterion, start, Search::Onward(sizes), evaluations);
+        (again.value < found.value).then_some(again)
     }
 
     /// A part without which the data are as likely is zero, and exactly so.
