@@ -41,6 +41,10 @@ const BESIDE_DEAR: usize = 2;
 /// are soon far behind.
 const FIRST_STEPS: u64 = 6;
 const FITTED_ON: fn(usize) -> usize = |asked| (3 * asked / 8).max(4);
+/// Steps of a fit that is carried on to be compared with another form of its cause, and how many times dearer than the best form one may be
+/// to stay in the race.
+const FORM_STEPS: u64 = 60;
+const IN_THE_RACE: f64 = 2.5;
 /// Causes whose fits are carried to their end and compared under their own noise.
 const FINISHED: usize = 4;
 /// The same inside a fold, where the fits start from the whole campaign's.
@@ -265,7 +269,32 @@ impl Search<'_> {
             .map(|(fit, tries)| (tries.cause, self.fitted_on(fit, &tries)))
             .collect();
         rough.sort_by(|a, b| by_worth(bench, (a.0, &a.1), (b.0, &b.1)));
+        let mut rough = self.forms_carried_on(rough);
+        rough.sort_by(|a, b| by_worth(bench, (a.0, &a.1), (b.0, &b.1)));
         better_forms(bench, rough)
+    }
+
+    /// Forms of one cause are compared where their fits end: of rough fits that are still under way the nearer one need not be the better
+    /// form.
+    fn forms_carried_on(&self, rough: Vec<(usize, Fitted)>) -> Vec<(usize, Fitted)> {
+        let bench = self.bench;
+        let forms: Vec<(&str, f64)> = (rough.iter())
+            .map(|(cause, fit)| (bench.catalogue[*cause].id(), fit.cost))
+            .collect();
+        let under_way = |cause: usize, fit: &Fitted| {
+            let id = bench.catalogue[cause].id();
+            let own = || forms.iter().filter(|(other, _)| *other == id);
+            let best = own().map(|(_, cost)| *cost).fold(f64::INFINITY, f64::min);
+            let near = own().filter(|(_, cost)| *cost < IN_THE_RACE * best).count();
+            !fit.converged && near > 1 && fit.cost < IN_THE_RACE * best && !is_dear(bench, cause)
+        };
+        let carried_on = |(cause, fit): (usize, Fitted)| {
+            let longer = (under_way(cause, &fit))
+                .then(|| self.fit(cause, &fit.parameters, FORM_STEPS))
+                .flatten();
+            (cause, longer.unwrap_or(fit))
+        };
+        rough.into_par_iter().map(carried_on).collect()
     }
 
     /// Parameters of the stand's model: where it stands, and its law at starts that the record suggests.

@@ -10,7 +10,7 @@ use rig::{Cause, Experiment, Model, Requirement, Station};
 use rigs::{BRISTLE, LUGRE, rich};
 
 /// Ids, stations and reported parameters, as other programs know them.
-const VOCABULARY: [(&str, &str, &[&str]); 39] = [
+const VOCABULARY: [(&str, &str, &[&str]); 40] = [
     (
         "stage-ripple",
         "stage",
@@ -43,6 +43,11 @@ const VOCABULARY: [(&str, &str, &[&str]); 39] = [
         "thermal-softening",
         "history",
         &["strength_per_j", "time_constant_s", "levels_off"],
+    ),
+    (
+        "thermal-softening",
+        "history",
+        &["strength_per_j", "time_constant_s", "exponential"],
     ),
     (
         "surface-texture",

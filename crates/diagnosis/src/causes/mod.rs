@@ -28,7 +28,7 @@ catalogue! {
     lean_angle::LeanAngle;
     bristle_set::BristleSet, KeptSet;
     wear::Wear, WearByDecades;
-    thermal_softening::ThermalSoftening, LevellingSoftening;
+    thermal_softening::ThermalSoftening, LevellingSoftening, ExponentialSoftening;
     surface_texture::SurfaceTexture;
     surface_gradient::SurfaceGradient;
     load_dependence::LoadDependence;

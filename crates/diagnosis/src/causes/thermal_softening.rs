@@ -1,5 +1,5 @@
 //! Frictional heating: E' = abs(F v) - E/tau, mu (1 - k E), E the heat held (J), k the strength (1/J), tau the time constant
-//! (s); in its second form friction levels off, mu / (1 + k E). Heat is carried from run to run and leaves during rests. The power is
+//! (s); in further forms friction levels off, mu / (1 + k E), or falls by equal shares, mu exp(-k E). Heat is carried from run to run and leaves during rests. The power is
 //! that of the softened friction; between samples it is linear.
 
 use std::collections::BTreeMap;
@@ -141,6 +141,83 @@ impl Cause for LevellingSoftening {
                 let linear = -(strength * a) + 1.0;
                 let root = (linear * linear + strength * (a + gain) * 4.0).sqrt();
                 (a + gain) * 2.0 / (linear + root)
+            },
+        };
+        soften.run(at, friction_n, factor, &mut memory[0]);
+    }
+}
+
+/// The same, where equal heats take equal shares of what is left.
+#[derive(Clone, Copy, Debug)]
+pub struct ExponentialSoftening;
+
+/// Beside strength and time constant, what tells this form from the others in a file.
+const EXPONENTIAL: &str = "exponential";
+/// Newton's steps for the heat at the end of a sample, which differs little from that at its start.
+const NEWTON: usize = 3;
+
+impl Cause for ExponentialSoftening {
+    fn id(&self) -> &'static str {
+        ThermalSoftening.id()
+    }
+
+    fn variant(&self) -> Option<&'static str> {
+        Some("exponential")
+    }
+
+    fn station(&self) -> Station {
+        ThermalSoftening.station()
+    }
+
+    fn reach(&self) -> Reach {
+        ThermalSoftening.reach()
+    }
+
+    fn describe(&self) -> &'static str {
+        ThermalSoftening.describe()
+    }
+
+    fn parameters(&self) -> &'static [ParameterSpec] {
+        PARAMETERS
+    }
+
+    fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
+        ThermalSoftening.parameters_for(experiment)
+    }
+
+    fn requirements(&self) -> &'static [Requirement] {
+        ThermalSoftening.requirements()
+    }
+
+    fn memory(&self) -> usize {
+        ThermalSoftening.memory()
+    }
+
+    fn shape_grid(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+        LevellingSoftening.shape_grid(experiment)
+    }
+
+    fn reported(&self, fitted: &[f64]) -> Vec<Reported> {
+        marker::marked(ThermalSoftening.reported(fitted), EXPONENTIAL)
+    }
+
+    fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
+        marker::demanded(reported, EXPONENTIAL)?;
+        ThermalSoftening.from_reported(reported)
+    }
+
+    fn factor<D: Scalar>(&self, p: &[D], at: Place<'_>, friction_n: &[D], factor: &mut [D], memory: &mut [D]) {
+        let strength = p[0];
+        let left = |heat: D| (-(strength * heat)).exp();
+        let soften = Softening {
+            cooling_s: p[1],
+            left,
+            // E = a + h p exp(-k E)
+            held: |a: D, gain: D| {
+                (0..NEWTON).fold(a, |heat, _| {
+                    let gained = gain * left(heat);
+                    heat - (heat - a - gained) / (strength * gained + 1.0)
+                })
             },
         };
         soften.run(at, friction_n, factor, &mut memory[0]);
