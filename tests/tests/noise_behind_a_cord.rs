@@ -71,6 +71,7 @@ fn whitened(protocol: Protocol, size: f64, seed: u64) -> Vec<(bool, Vec<f64>)> {
     let predicted = model.predict(&experiment, &values);
     let residual: Vec<f64> = planted.zip(&predicted).map(|(a, b)| a - b).collect();
     let context = Context {
+        conditions: Vec::new(),
         runs: experiment.runs.iter().map(|r| r.samples.clone()).collect(),
         sliding,
         place,

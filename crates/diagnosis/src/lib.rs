@@ -30,6 +30,7 @@ mod ground;
 mod integrity;
 mod intervals;
 mod joint;
+mod judged;
 mod lateness;
 mod laws;
 mod left;

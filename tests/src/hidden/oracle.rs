@@ -369,6 +369,7 @@ fn context(plan: &Plan, recordings: &[Recording]) -> Context {
         runs.push(first..sliding.len());
     }
     Context {
+        conditions: Vec::new(),
         channel: Arc::default(),
         rows: Vec::new(),
         runs,
