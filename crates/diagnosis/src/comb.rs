@@ -1,4 +1,4 @@
-//! Lines that go on between the runs: a period by the clock of the day.
+//! Lines that go on between the runs: a period by the clock of the day, or one of the plate that runs pass at different places.
 //!
 //! Over a day of runs with rests between them the score u(f) of [`crate::periodic`] turns by many cycles from one frequency at which a
 //! run is looked at to the next. That of one run alone, taken about the run's middle c_k, does not: it is computed at these
@@ -29,7 +29,7 @@ pub(crate) struct Comb {
 }
 
 impl Comb {
-    /// The comb of a day: `clock`, s, a sample; `spacing` of the frequencies at which a run is looked at, Hz.
+    /// The comb of a day or a plate: `clock`, s (or place, m), a sample; `spacing` of the frequencies at which a run is looked at, Hz (or 1/m).
     pub(crate) fn new(runs: &[Range<usize>], clock: &[f64], spacing: f64) -> Self {
         let (first, last) = clock
             .iter()

@@ -38,6 +38,8 @@ const MOST_LINES_OF_SPEED: usize = 8;
 /// speed 32, because what it does in the moments after a start tells one phase only.
 const SLOW: f64 = 16.0;
 const SLOW_OF_SPEED: f64 = 64.0;
+/// Runs are put together in between the frequencies at which each is looked at where all places span so many times the longest stretch.
+const FURTHER: f64 = 1.2;
 /// Cycles over the longest stretch by which two lines differ: a line's own flank is no second line.
 const APART: f64 = 0.6;
 /// How many times higher than on the grid of frequencies a line may stand between them: 1.23 in one run passed evenly, more where
@@ -106,7 +108,10 @@ impl Peaks {
         cause: usize,
         frequency: f64,
     ) -> Self {
-        let half_cycle = 0.5 / stretch(bench, cause);
+        let half_cycle = match period(bench, cause) {
+            Some((_, false)) => 0.5 / extent(&bench.samples.place).max(1e-9),
+            _ => 0.5 / stretch(bench, cause),
+        };
         if let Some(looked) = self.found.iter_mut().find(|f| f.cause == cause) {
             let near = (-NEIGHBOURS..=NEIGHBOURS).map(|k| f64::from(k) * half_cycle);
             let near = near.filter(|shift| shift.abs() <= NEIGHBOURHOOD * frequency);
@@ -193,8 +198,10 @@ fn families<'a>(
         Reach::Stage => SLOW_OF_SPEED,
         _ => SLOW,
     };
+    // Runs over different places of the plate interfere as those of a day do: a line is as narrow as all places together make it.
+    let put_together = goes_on || extent(coordinate) > FURTHER * span;
     // Half a cycle over the longest stretch; half of that where runs are put together in between.
-    let spacing = if goes_on { 0.25 } else { 0.5 } / span;
+    let spacing = if put_together { 0.25 } else { 0.5 } / span;
     anchors(bench, cause, band, 30.0 / span)
         .into_iter()
         .map(|(anchor, band)| {
@@ -206,7 +213,7 @@ fn families<'a>(
                 band,
                 spacing,
                 slow: slow * 0.5 / span,
-                comb: goes_on.then(|| Comb::new(&samples.runs, coordinate, spacing)),
+                comb: put_together.then(|| Comb::new(&samples.runs, coordinate, spacing)),
             })
         })
         .collect()
@@ -239,6 +246,14 @@ fn highest(mut peaks: Vec<(&Family<'_>, Peak)>, g: &DVector<f64>, most: usize) -
         background: peak.background,
     };
     taken.into_iter().map(line).collect()
+}
+
+/// What a coordinate spans over all runs.
+fn extent(x: &[f64]) -> f64 {
+    let (lo, hi) = (x.iter()).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| {
+        (a.min(x), b.max(x))
+    });
+    (hi - lo).max(0.0)
 }
 
 /// Longest stretch of a coordinate in one run.
