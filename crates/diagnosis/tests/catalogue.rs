@@ -10,7 +10,7 @@ use rig::{Cause, Experiment, Model, Requirement, Station};
 use rigs::{BRISTLE, LUGRE, rich};
 
 /// Ids, stations and reported parameters, as other programs know them.
-const VOCABULARY: [(&str, &str, &[&str]); 40] = [
+const VOCABULARY: [(&str, &str, &[&str]); 41] = [
     (
         "stage-ripple",
         "stage",
@@ -32,6 +32,11 @@ const VOCABULARY: [(&str, &str, &[&str]); 40] = [
     ("lean-angle", "law", &["angle_rad"]),
     ("bristle-set", "history", &["angle_rad", "runs"]),
     ("bristle-set", "history", &["angle_rad", "runs", "kept"]),
+    (
+        "bristle-set",
+        "history",
+        &["angle_rad", "runs", "by_last_way"],
+    ),
     ("wear", "history", &["amplitude", "distance_m"]),
     ("wear", "history", &["amplitude_per_decade", "distance_m"]),
     (

@@ -1,6 +1,6 @@
 //! A lasting bend: the lean of a run is theta0 + angle S. After a reverse run S moves towards 1, after a forward run towards
 //! 0, by the share 1 - exp(-1/runs) of what is left; a run that reverses leaves it as it is. S = 0 before the first run. In a further
-//! form forward runs leave it as it is too.
+//! form forward runs leave it as it is too, in another one a run that reverses counts by the way in which it ends.
 
 use std::collections::BTreeMap;
 
@@ -125,6 +125,76 @@ impl Cause for KeptSet {
         lean(p, law, memory[0]);
         if bends(at) == Some(true) {
             settle(p, 1.0, &mut memory[0]);
+        }
+    }
+}
+
+/// The same where a run that reverses counts by the way in which it ends.
+#[derive(Clone, Copy, Debug)]
+pub struct LastWaySet;
+
+/// Beside bend and runs, what tells this form from the others in a file.
+const LAST_WAY: &str = "by_last_way";
+
+impl Cause for LastWaySet {
+    fn id(&self) -> &'static str {
+        BristleSet.id()
+    }
+
+    fn variant(&self) -> Option<&'static str> {
+        Some("runs count by their last way")
+    }
+
+    fn station(&self) -> Station {
+        BristleSet.station()
+    }
+
+    fn reach(&self) -> Reach {
+        BristleSet.reach()
+    }
+
+    fn describe(&self) -> &'static str {
+        BristleSet.describe()
+    }
+
+    fn parameters(&self) -> &'static [ParameterSpec] {
+        PARAMETERS
+    }
+
+    fn requirements(&self) -> &'static [Requirement] {
+        &[Requirement::Order, Requirement::BothDirections, Requirement::Reversals]
+    }
+
+    fn applies_to(&self, law: LawKind) -> bool {
+        BristleSet.applies_to(law)
+    }
+
+    fn memory(&self) -> usize {
+        BristleSet.memory()
+    }
+
+    fn shape_grid(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+        BristleSet.shape_grid(experiment)
+    }
+
+    fn reported(&self, fitted: &[f64]) -> Vec<Reported> {
+        marker::marked(BristleSet.reported(fitted), LAST_WAY)
+    }
+
+    fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
+        marker::demanded(reported, LAST_WAY)?;
+        BristleSet.from_reported(reported)
+    }
+
+    fn law<D: Scalar>(&self, p: &[D], at: Place<'_>, law: &mut Law<D>, memory: &mut [D]) {
+        lean(p, law, memory[0]);
+        let ends = || {
+            let last = at.run.velocity_m_s.iter().rev().find(|v| **v != 0.0)?;
+            let in_contact = at.run.in_contact();
+            in_contact.then(|| (*last < 0.0) != at.run.specimen_turned)
+        };
+        if let Some(bends) = bends(at).or_else(ends) {
+            settle(p, if bends { 1.0 } else { 0.0 }, &mut memory[0]);
         }
     }
 }

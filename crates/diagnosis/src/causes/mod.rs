@@ -26,7 +26,7 @@ catalogue! {
     stribeck_shape::StribeckShape;
     velocity_strengthening::VelocityStrengthening, AddedStrengthening;
     lean_angle::LeanAngle;
-    bristle_set::BristleSet, KeptSet;
+    bristle_set::BristleSet, KeptSet, LastWaySet;
     wear::Wear, WearByDecades;
     thermal_softening::ThermalSoftening, LevellingSoftening, ExponentialSoftening;
     surface_texture::SurfaceTexture;
