@@ -96,14 +96,13 @@ impl Ground {
         let y = residual - &basis * basis.tr_mul(residual);
         let free = gains - &basis * basis.tr_mul(gains);
         let (lambda, turn) = free_gains(gains, &free);
-        let whole_gains = gains;
-        let gains = &free * &turn;
-        let turned: Vec<f64> = gains.tr_mul(&y).iter().copied().collect();
+        let turned_gains = &free * &turn;
+        let turned: Vec<f64> = turned_gains.tr_mul(&y).iter().copied().collect();
         let evidence = ScatterEvidence {
             lambda: lambda.clone(),
             score: turned.clone(),
         };
-        let repeats = evidence.contradicted(&whole_gains, jacobian, residual, conditions);
+        let repeats = evidence.contradicted(gains, jacobian, residual, conditions);
         // The nodes of the scatter are kept; their weights are those of the prior, likelihoods differ by hypothesis. Repeats say the same
         // beside every hypothesis.
         let known = |s: f64| match &repeats {
@@ -125,7 +124,7 @@ impl Ground {
         Self {
             basis,
             y,
-            gains,
+            gains: turned_gains,
             lambda,
             turned,
             scatters,
@@ -198,14 +197,14 @@ impl Ground {
                 .zip(&self.turned)
                 .map(|(l, t)| (s2 * l).ln_1p() - s2 * t * t / (1.0 + s2 * l))
                 .sum();
-            let log_likelihood = match &self.repeats {
-                None => -0.5 * (between + log_det - statistic),
-                Some(repeats) => -0.5 * repeats.deviance(s),
+            let (log_likelihood, log_weight) = match &self.repeats {
+                None => {
+                    let log_likelihood = -0.5 * (between + log_det - statistic);
+                    (log_likelihood, log_likelihood + log_prior)
+                }
+                Some(repeats) => (-0.5 * repeats.deviance(s), log_prior),
             };
-            log_weights.push(match &self.repeats {
-                None => log_likelihood + log_prior,
-                Some(_) => log_prior,
-            });
+            log_weights.push(log_weight);
             log_tails.push(log_chi2_tail(statistic, k));
             if log_likelihood > best.0 {
                 best = (log_likelihood, s, statistic, coefficients);

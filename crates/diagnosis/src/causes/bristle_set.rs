@@ -191,7 +191,7 @@ impl Cause for LastWaySet {
         let ends = || {
             let last = at.run.velocity_m_s.iter().rev().find(|v| **v != 0.0)?;
             let in_contact = at.run.in_contact();
-            in_contact.then(|| (*last < 0.0) != at.run.specimen_turned)
+            in_contact.then_some((*last < 0.0) != at.run.specimen_turned)
         };
         if let Some(bends) = bends(at).or_else(ends) {
             settle(p, if bends { 1.0 } else { 0.0 }, &mut memory[0]);
