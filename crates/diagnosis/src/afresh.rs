@@ -264,11 +264,10 @@ impl Search<'_> {
             .collect();
         first.sort_by(|(a, x), (b, y)| by_worth(bench, (x.cause, a), (y.cause, b)));
         first.truncate(FITTED_ON(candidates.len()));
-        let mut rough: Vec<(usize, Fitted)> = first
+        let rough: Vec<(usize, Fitted)> = first
             .into_par_iter()
             .map(|(fit, tries)| (tries.cause, self.fitted_on(fit, &tries)))
             .collect();
-        rough.sort_by(|a, b| by_worth(bench, (a.0, &a.1), (b.0, &b.1)));
         let mut rough = self.forms_carried_on(rough);
         rough.sort_by(|a, b| by_worth(bench, (a.0, &a.1), (b.0, &b.1)));
         better_forms(bench, rough)

@@ -2,10 +2,8 @@
 //! 0, by the share 1 - exp(-1/runs) of what is left; a run that reverses leaves it as it is. S = 0 before the first run. In a further
 //! form forward runs leave it as it is too, in another one a run that reverses counts by the way in which it ends.
 
-use std::collections::BTreeMap;
-
 use friction::{ParameterSpec, Scalar, LawKind, Law};
-use rig::{Cause, Experiment, Place, Reach, Reported, Requirement, Station};
+use rig::{Cause, Experiment, Place, Reach, Requirement, Station};
 use campaign::Direction;
 
 use super::marker;
@@ -72,53 +70,14 @@ pub struct KeptSet;
 const KEPT: &str = "kept";
 
 impl Cause for KeptSet {
-    fn id(&self) -> &'static str {
-        BristleSet.id()
-    }
-
-    fn variant(&self) -> Option<&'static str> {
-        Some("kept by forward runs")
-    }
-
-    fn station(&self) -> Station {
-        BristleSet.station()
-    }
-
-    fn reach(&self) -> Reach {
-        BristleSet.reach()
-    }
-
-    fn describe(&self) -> &'static str {
-        BristleSet.describe()
-    }
-
-    fn parameters(&self) -> &'static [ParameterSpec] {
-        PARAMETERS
-    }
+    marker::marked_form!(BristleSet, "kept by forward runs", KEPT);
 
     fn requirements(&self) -> &'static [Requirement] {
         BristleSet.requirements()
     }
 
-    fn applies_to(&self, law: LawKind) -> bool {
-        BristleSet.applies_to(law)
-    }
-
-    fn memory(&self) -> usize {
-        BristleSet.memory()
-    }
-
     fn shape_grid(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
         BristleSet.shape_grid(experiment)
-    }
-
-    fn reported(&self, fitted: &[f64]) -> Vec<Reported> {
-        marker::marked(BristleSet.reported(fitted), KEPT)
-    }
-
-    fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
-        marker::demanded(reported, KEPT)?;
-        BristleSet.from_reported(reported)
     }
 
     fn law<D: Scalar>(&self, p: &[D], at: Place<'_>, law: &mut Law<D>, memory: &mut [D]) {
@@ -137,53 +96,14 @@ pub struct LastWaySet;
 const LAST_WAY: &str = "by_last_way";
 
 impl Cause for LastWaySet {
-    fn id(&self) -> &'static str {
-        BristleSet.id()
-    }
-
-    fn variant(&self) -> Option<&'static str> {
-        Some("runs count by their last way")
-    }
-
-    fn station(&self) -> Station {
-        BristleSet.station()
-    }
-
-    fn reach(&self) -> Reach {
-        BristleSet.reach()
-    }
-
-    fn describe(&self) -> &'static str {
-        BristleSet.describe()
-    }
-
-    fn parameters(&self) -> &'static [ParameterSpec] {
-        PARAMETERS
-    }
+    marker::marked_form!(BristleSet, "runs count by their last way", LAST_WAY);
 
     fn requirements(&self) -> &'static [Requirement] {
         &[Requirement::Order, Requirement::BothDirections, Requirement::Reversals]
     }
 
-    fn applies_to(&self, law: LawKind) -> bool {
-        BristleSet.applies_to(law)
-    }
-
-    fn memory(&self) -> usize {
-        BristleSet.memory()
-    }
-
     fn shape_grid(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
         BristleSet.shape_grid(experiment)
-    }
-
-    fn reported(&self, fitted: &[f64]) -> Vec<Reported> {
-        marker::marked(BristleSet.reported(fitted), LAST_WAY)
-    }
-
-    fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
-        marker::demanded(reported, LAST_WAY)?;
-        BristleSet.from_reported(reported)
     }
 
     fn law<D: Scalar>(&self, p: &[D], at: Place<'_>, law: &mut Law<D>, memory: &mut [D]) {

@@ -3,10 +3,8 @@
 //! taken as the median of the other rests. What was gained lasts for the motion, or is lost where the motion turns, or sliding wears it
 //! off: then b fades as exp(-x/d), x the distance slid since the stand (m), d a distance (m).
 
-use std::collections::BTreeMap;
-
 use friction::{LawKind, ParameterSpec, Scalar};
-use rig::{Cause, Experiment, Place, Reach, Reported, Requirement, Station};
+use rig::{Cause, Experiment, Place, Reach, Requirement, Station};
 
 use super::{grids, marker};
 
@@ -70,45 +68,10 @@ pub struct TurnedAgeing;
 const LOST: &str = "lost_in_turning";
 
 impl Cause for TurnedAgeing {
-    fn id(&self) -> &'static str {
-        DwellAgeing.id()
-    }
-
-    fn variant(&self) -> Option<&'static str> {
-        Some("lost where the motion turns")
-    }
-
-    fn station(&self) -> Station {
-        DwellAgeing.station()
-    }
-
-    fn reach(&self) -> Reach {
-        DwellAgeing.reach()
-    }
-
-    fn describe(&self) -> &'static str {
-        DESCRIPTION
-    }
-
-    fn parameters(&self) -> &'static [ParameterSpec] {
-        PARAMETERS
-    }
+    marker::marked_form!(DwellAgeing, "lost where the motion turns", LOST);
 
     fn requirements(&self) -> &'static [Requirement] {
         &[Requirement::Clock, Requirement::Reversals]
-    }
-
-    fn applies_to(&self, law: LawKind) -> bool {
-        DwellAgeing.applies_to(law)
-    }
-
-    fn reported(&self, fitted: &[f64]) -> Vec<Reported> {
-        marker::marked(DwellAgeing.reported(fitted), LOST)
-    }
-
-    fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
-        marker::demanded(reported, LOST)?;
-        DwellAgeing.from_reported(reported)
     }
 
     fn rest_gain<D: Scalar>(&self, p: &[D], at: Place<'_>, gain: &mut [D]) {

@@ -2,11 +2,9 @@
 //! tau u' = v - u, or in distance slid, D du/ds = v - u. u starts at v. Or it is the magnitude |v| that is remembered: through a
 //! reversal the curve is then read at low speeds, not at zero.
 
-use std::collections::BTreeMap;
-
 use friction::{LawKind, ParameterSpec, Scalar};
 use rig::signal::lag_step;
-use rig::{Cause, Experiment, Place, Reach, Reported, Requirement, Station};
+use rig::{Cause, Experiment, Place, Reach, Requirement, Station};
 
 use super::{grids, marker};
 
@@ -132,49 +130,10 @@ fn magnitudes<D: Scalar>(speed: &mut [D]) {
 pub struct MagnitudeInTime;
 
 impl Cause for MagnitudeInTime {
-    fn id(&self) -> &'static str {
-        MemoryInTime.id()
-    }
-
-    fn variant(&self) -> Option<&'static str> {
-        Some("magnitude, time")
-    }
-
-    fn station(&self) -> Station {
-        MemoryInTime.station()
-    }
-
-    fn reach(&self) -> Reach {
-        MemoryInTime.reach()
-    }
-
-    fn describe(&self) -> &'static str {
-        DESCRIPTION
-    }
-
-    fn parameters(&self) -> &'static [ParameterSpec] {
-        IN_TIME
-    }
-
-    fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
-        MemoryInTime.parameters_for(experiment)
-    }
+    marker::marked_form!(MemoryInTime, "magnitude, time", OF_MAGNITUDE);
 
     fn requirements(&self) -> &'static [Requirement] {
         &[Requirement::Reversals]
-    }
-
-    fn applies_to(&self, law: LawKind) -> bool {
-        has_curve(law)
-    }
-
-    fn reported(&self, fitted: &[f64]) -> Vec<Reported> {
-        marker::marked(MemoryInTime.reported(fitted), OF_MAGNITUDE)
-    }
-
-    fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
-        marker::demanded(reported, OF_MAGNITUDE)?;
-        MemoryInTime.from_reported(reported)
     }
 
     fn curve_speed<D: Scalar>(&self, p: &[D], at: Place<'_>, speed: &mut [D]) {
@@ -188,49 +147,10 @@ impl Cause for MagnitudeInTime {
 pub struct MagnitudeInDistance;
 
 impl Cause for MagnitudeInDistance {
-    fn id(&self) -> &'static str {
-        MemoryInDistance.id()
-    }
-
-    fn variant(&self) -> Option<&'static str> {
-        Some("magnitude, distance")
-    }
-
-    fn station(&self) -> Station {
-        MemoryInDistance.station()
-    }
-
-    fn reach(&self) -> Reach {
-        MemoryInDistance.reach()
-    }
-
-    fn describe(&self) -> &'static str {
-        DESCRIPTION
-    }
-
-    fn parameters(&self) -> &'static [ParameterSpec] {
-        IN_DISTANCE
-    }
-
-    fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
-        MemoryInDistance.parameters_for(experiment)
-    }
+    marker::marked_form!(MemoryInDistance, "magnitude, distance", OF_MAGNITUDE);
 
     fn requirements(&self) -> &'static [Requirement] {
         &[Requirement::Reversals]
-    }
-
-    fn applies_to(&self, law: LawKind) -> bool {
-        has_curve(law)
-    }
-
-    fn reported(&self, fitted: &[f64]) -> Vec<Reported> {
-        marker::marked(MemoryInDistance.reported(fitted), OF_MAGNITUDE)
-    }
-
-    fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
-        marker::demanded(reported, OF_MAGNITUDE)?;
-        MemoryInDistance.from_reported(reported)
     }
 
     fn curve_speed<D: Scalar>(&self, p: &[D], at: Place<'_>, speed: &mut [D]) {

@@ -23,3 +23,57 @@ pub(super) fn demanded(reported: &BTreeMap<String, f64>, marker: &str) -> Result
         .map(|_| ())
         .ok_or_else(|| marker.to_owned())
 }
+
+/// What a marked form shares with its plain one: everything but the variant, what a campaign must have, where a scan looks, and the hook.
+macro_rules! marked_form {
+    ($plain:ident, $variant:literal, $marker:ident) => {
+        fn id(&self) -> &'static str {
+            $plain.id()
+        }
+
+        fn variant(&self) -> Option<&'static str> {
+            Some($variant)
+        }
+
+        fn station(&self) -> rig::Station {
+            $plain.station()
+        }
+
+        fn reach(&self) -> rig::Reach {
+            $plain.reach()
+        }
+
+        fn describe(&self) -> &'static str {
+            $plain.describe()
+        }
+
+        fn parameters(&self) -> &'static [friction::ParameterSpec] {
+            $plain.parameters()
+        }
+
+        fn parameters_for(&self, experiment: &rig::Experiment) -> Vec<friction::ParameterSpec> {
+            $plain.parameters_for(experiment)
+        }
+
+        fn applies_to(&self, law: friction::LawKind) -> bool {
+            $plain.applies_to(law)
+        }
+
+        fn memory(&self) -> usize {
+            $plain.memory()
+        }
+
+        fn reported(&self, fitted: &[f64]) -> Vec<rig::Reported> {
+            $crate::causes::marker::marked($plain.reported(fitted), $marker)
+        }
+
+        fn from_reported(
+            &self,
+            reported: &std::collections::BTreeMap<String, f64>,
+        ) -> Result<Vec<f64>, String> {
+            $crate::causes::marker::demanded(reported, $marker)?;
+            $plain.from_reported(reported)
+        }
+    };
+}
+pub(super) use marked_form;

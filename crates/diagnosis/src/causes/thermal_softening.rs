@@ -2,10 +2,8 @@
 //! (s); in further forms friction levels off, mu / (1 + k E), or falls by equal shares, mu exp(-k E). Heat is carried from run to run and leaves during rests. The power is
 //! that of the softened friction; between samples it is linear.
 
-use std::collections::BTreeMap;
-
 use friction::{ParameterSpec, Scalar};
-use rig::{Cause, Experiment, Place, Reach, Reported, Requirement, Station};
+use rig::{Cause, Experiment, Place, Reach, Requirement, Station};
 
 use super::{grids, marker};
 
@@ -81,54 +79,15 @@ pub struct LevellingSoftening;
 const LEVELS_OFF: &str = "levels_off";
 
 impl Cause for LevellingSoftening {
-    fn id(&self) -> &'static str {
-        ThermalSoftening.id()
-    }
-
-    fn variant(&self) -> Option<&'static str> {
-        Some("levelling off")
-    }
-
-    fn station(&self) -> Station {
-        ThermalSoftening.station()
-    }
-
-    fn reach(&self) -> Reach {
-        ThermalSoftening.reach()
-    }
-
-    fn describe(&self) -> &'static str {
-        ThermalSoftening.describe()
-    }
-
-    fn parameters(&self) -> &'static [ParameterSpec] {
-        PARAMETERS
-    }
-
-    fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
-        ThermalSoftening.parameters_for(experiment)
-    }
+    marker::marked_form!(ThermalSoftening, "levelling off", LEVELS_OFF);
 
     fn requirements(&self) -> &'static [Requirement] {
         ThermalSoftening.requirements()
     }
 
-    fn memory(&self) -> usize {
-        ThermalSoftening.memory()
-    }
-
     // A small effect is that of the first form: few tangents will do.
     fn shape_grid(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
         cooling_times(experiment, 4)
-    }
-
-    fn reported(&self, fitted: &[f64]) -> Vec<Reported> {
-        marker::marked(ThermalSoftening.reported(fitted), LEVELS_OFF)
-    }
-
-    fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
-        marker::demanded(reported, LEVELS_OFF)?;
-        ThermalSoftening.from_reported(reported)
     }
 
     fn factor<D: Scalar>(&self, p: &[D], at: Place<'_>, friction_n: &[D], factor: &mut [D], memory: &mut [D]) {
@@ -157,53 +116,14 @@ const EXPONENTIAL: &str = "exponential";
 const NEWTON: usize = 3;
 
 impl Cause for ExponentialSoftening {
-    fn id(&self) -> &'static str {
-        ThermalSoftening.id()
-    }
-
-    fn variant(&self) -> Option<&'static str> {
-        Some("exponential")
-    }
-
-    fn station(&self) -> Station {
-        ThermalSoftening.station()
-    }
-
-    fn reach(&self) -> Reach {
-        ThermalSoftening.reach()
-    }
-
-    fn describe(&self) -> &'static str {
-        ThermalSoftening.describe()
-    }
-
-    fn parameters(&self) -> &'static [ParameterSpec] {
-        PARAMETERS
-    }
-
-    fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
-        ThermalSoftening.parameters_for(experiment)
-    }
+    marker::marked_form!(ThermalSoftening, "exponential", EXPONENTIAL);
 
     fn requirements(&self) -> &'static [Requirement] {
         ThermalSoftening.requirements()
     }
 
-    fn memory(&self) -> usize {
-        ThermalSoftening.memory()
-    }
-
     fn shape_grid(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
         LevellingSoftening.shape_grid(experiment)
-    }
-
-    fn reported(&self, fitted: &[f64]) -> Vec<Reported> {
-        marker::marked(ThermalSoftening.reported(fitted), EXPONENTIAL)
-    }
-
-    fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
-        marker::demanded(reported, EXPONENTIAL)?;
-        ThermalSoftening.from_reported(reported)
     }
 
     fn factor<D: Scalar>(&self, p: &[D], at: Place<'_>, friction_n: &[D], factor: &mut [D], memory: &mut [D]) {
