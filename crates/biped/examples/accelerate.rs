@@ -130,6 +130,7 @@ fn write(best: &[Option<Outcome>], path: &str) -> Result<(), Box<dyn Error>> {
             search: Some(Search {
                 found: found.found_by,
                 tried: found.tried,
+                hops: 0,
                 from: None,
             }),
             x: found.x.iter().map(short).collect::<Result<_, _>>()?,

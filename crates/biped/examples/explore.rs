@@ -33,10 +33,12 @@ const SUBPROBLEMS: usize = 12;
 const STARTS: usize = 3;
 /// Starts tried at one problem before the next one has its turn.
 const AT_ONCE: usize = 1;
-/// Farthest starts ([`Name::distance`]),
-const FARTHEST: f64 = 3.0;
-/// and those that are tried although the stride was found by enough.
+/// Farthest strides that are starts as they are ([`Name::distance`]),
 const NEAR: f64 = 0.8;
+/// and those that hops start from.
+const FARTHEST: f64 = 1.2;
+/// Hops at one problem before the next one has its turn.
+const HOPS: usize = 6;
 /// How fast starts get worse with their distance ([`Name::distance`]): of those from another brush a quarter led to a better stride, of those
 /// from another brush and another contact one in thirty.
 const FADING: f64 = 2.0;
@@ -70,18 +72,16 @@ fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
     if let Some(other) = std::env::args().nth(4) {
         offer(&mut book, Path::new(&other), &path, &options, clock)?;
     }
-    let mut walked = Vec::new();
+    let mut hopped = vec![0; book.entries.len()];
     while clock.elapsed().as_secs_f64() < seconds {
         let (place, looked) = if let Some(place) = next(&book, &order) {
-            (place, book.look(place, FARTHEST, AT_ONCE, &options)?)
+            (place, book.look(place, NEAR, AT_ONCE, &options)?)
         } else {
-            let open =
-                |&&place: &&usize| !book.entries[place].is_certified() && !walked.contains(&place);
-            let Some(&place) = order.iter().find(open) else {
+            let Some(place) = next_hop(&book, &order, &hopped) else {
                 break;
             };
-            walked.push(place);
-            (place, book.walk(place, &options)?)
+            hopped[place] += 1;
+            (place, book.hop(place, FARTHEST, HOPS, &options)?)
         };
         write(&book, &path)?;
         say(&book.entries[place], &looked, clock);
@@ -90,13 +90,12 @@ fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
     Ok(())
 }
 
-/// The problem that has its turn: the one that may soonest have its stride found by enough starts, weighed by how near its next start
-/// is. One whose stride is found often enough goes on while strides near it are news.
+/// The problem that has its turn while strides near one are news to it: the one that may soonest have its stride found by enough starts,
+/// weighed by how near its next start is.
 fn next(book: &Book, order: &[usize]) -> Option<usize> {
     let turns = order.iter().filter_map(|&place| {
         let left = book.entries[place].starts_left(STARTS);
-        let reach = if left.is_some() { FARTHEST } else { NEAR };
-        let distance = book.nearest(place).filter(|&d| d <= reach)?;
+        let distance = book.nearest(place).filter(|&d| d <= NEAR)?;
         Some((
             left.unwrap_or(STARTS as f64) * (FADING * distance).exp(),
             place,
@@ -105,6 +104,16 @@ fn next(book: &Book, order: &[usize]) -> Option<usize> {
     turns
         .min_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, place)| place)
+}
+
+/// The problem that hops have their turn at: of those whose stride is not found by enough starts the one with the fewest turns, of the
+/// others afterwards.
+fn next_hop(book: &Book, order: &[usize], hopped: &[usize]) -> Option<usize> {
+    let turn = |place: usize| {
+        let open = book.entries[place].starts_left(STARTS).is_some();
+        (!open, hopped[place])
+    };
+    order.iter().copied().min_by_key(|&place| turn(place))
 }
 
 /// Parts of the work in their order: the halved mesh, whose solves take longest, and the holes of the map, which have to be walked to, last.
@@ -148,7 +157,7 @@ fn open(path: &Path, options: &Options) -> Result<Book, Box<dyn Error + Send + S
         if let (Some(outcome), Some(search)) = (&mut entry.outcome, row.and_then(|row| row.search))
         {
             (outcome.found_by, outcome.tried) = (search.found, search.tried);
-            entry.from = search.from;
+            (entry.hops, entry.from) = (search.hops, search.from);
             let own = tried.iter().filter(|(name, _)| *name == entry.name);
             entry.tried = own.map(|&(_, source)| source).collect();
         }
@@ -236,6 +245,7 @@ fn write(book: &Book, path: &Path) -> Result<(), Box<dyn Error + Send + Sync>> {
         let search = Some(Search {
             found: outcome.found_by,
             tried: outcome.tried,
+            hops: entry.hops,
             from: entry.from,
         });
         rows.push(store::row(entry.name, search, &outcome.x)?);

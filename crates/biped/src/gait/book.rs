@@ -15,11 +15,23 @@ use trajectory::{Options, ProgrammeError, Start, Status, scaled_distance};
 
 /// Costs closer than this, relative, are those of one stride.
 const SAME_COST: f64 = 1e-6;
+/// Dearer strides of a problem that are kept to hop from, the cheapest.
+const OTHERS: usize = 6;
 /// First and shortest part of a way between two contacts that is tried in one step.
 const PARTS: (f64, f64) = (0.5, 1.0 / 16.0);
 
 /// A start that a problem was solved from: whose stride it was, and its cost.
 pub type Source = (Name, f64);
+
+/// Where a start came from.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Origin {
+    pub(super) source: Source,
+    /// Whether it counts if it leads to the stride that stands.
+    pub(super) proof: bool,
+    /// Whether the start is the stride itself: no hop from it.
+    pub(super) direct: bool,
+}
 
 /// A named problem and what is known about it.
 #[derive(Clone, Debug)]
@@ -30,8 +42,12 @@ pub struct Entry {
     pub problem: Problem,
     /// The best stride so far.
     pub outcome: Option<Outcome>,
+    /// Dearer certified strides of it, the cheapest first.
+    pub others: Vec<Outcome>,
     /// Starts that it was solved from; a start that is no stride of the book stands under its own name.
     pub tried: Vec<Source>,
+    /// Hops by which it was solved ([`super::hopping`]); with the starts tried they are all that are counted.
+    pub hops: usize,
     /// Starts tried before the best stride came.
     pub before: usize,
     /// The start that led to the best stride, if it is known.
@@ -64,7 +80,7 @@ impl Entry {
     /// Whether it is news that a stride of another problem leads here. It is not if it came from the stride that stands here, or
     /// is one of another choice, most of which were made from those of the own one: the way back proves nothing, though it may
     /// lead on to a better stride.
-    fn is_proof(&self, other: &Self) -> bool {
+    pub(super) fn is_proof(&self, other: &Self) -> bool {
         let choice = other.name.choice;
         let derived = choice != Choice::Own && choice != self.name.choice;
         let back = other.from.is_some_and(|from| self.is_own(from));
@@ -93,13 +109,56 @@ impl Entry {
         }
     }
 
-    /// Where no list of starts was kept, nothing tells whether a start was counted before: the count begins from nothing.
+    /// Where neither a list of starts nor a number of hops was kept, nothing tells whether a start was counted before: the count begins
+    /// from nothing.
     fn count_from_list(&mut self) {
         if self.tried.is_empty()
+            && self.hops == 0
             && let Some(outcome) = &mut self.outcome
         {
             (outcome.found_by, outcome.tried, self.before) = (0, 0, 0);
         }
+    }
+
+    /// Keeps certified strides that are dearer than the best as places to hop from.
+    fn keep_others(&mut self, strides: [Outcome; 2], best: f64) {
+        let same = |a: f64, b: f64| (a - b).abs() <= SAME_COST * b.abs();
+        for stride in strides {
+            let known = self
+                .others
+                .iter()
+                .any(|other| same(stride.cost, other.cost));
+            if stride.is_certified() && !known {
+                self.others.push(stride);
+            }
+        }
+        self.others.retain(|other| !same(other.cost, best));
+        self.others.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        self.others.truncate(OTHERS);
+    }
+
+    /// Merges what was found from each start, in their order.
+    pub(super) fn take_all(&mut self, sources: Vec<Origin>, found: Vec<Option<Outcome>>) -> Looked {
+        let mut looked = Looked::default();
+        for (origin, found) in sources.into_iter().zip(found) {
+            let Origin {
+                source,
+                proof,
+                direct,
+            } = origin;
+            self.count_from_list();
+            self.tried.extend(direct.then_some(source));
+            self.hops += usize::from(!direct);
+            let Some(mut found) = found else { continue };
+            found.found_by = usize::from(proof);
+            let end = End::new(source, &found, self.outcome.as_ref());
+            looked.ends.push(end);
+            if self.take(found, source) {
+                looked.better = true;
+                self.first_find();
+            }
+        }
+        looked
     }
 
     /// Merges a find and its start; whether it is better than what stood here.
@@ -108,11 +167,13 @@ impl Entry {
             Some(before) => {
                 let (status, cost) = (before.status, before.cost);
                 let tried = before.tried;
+                let both = [before.clone(), found.clone()];
                 let merged = before.merged(found);
                 let better = merged.status != status || merged.cost != cost;
                 if better {
                     self.before = tried;
                 }
+                self.keep_others(both, merged.cost);
                 (better, merged)
             }
             None => (true, found),
@@ -196,7 +257,9 @@ impl Book {
                 name,
                 problem,
                 outcome,
+                others: Vec::new(),
                 tried: source.into_iter().cycle().take(starts.len()).collect(),
+                hops: 0,
                 before: 0,
                 from: None,
             });
@@ -217,31 +280,22 @@ impl Book {
         options: &Options,
     ) -> Result<Looked, ProgrammeError> {
         let problem = self.entries[place].problem;
-        let (sources, cases): (Vec<(Source, bool)>, Vec<Case>) = self
+        let (sources, cases): (Vec<Origin>, Vec<Case>) = self
             .near(place, reach)
             .into_iter()
             .take(most)
             .map(|near| {
                 let starts = vec![start(near.outcome, problem.mesh)];
-                ((near.source, near.proof), Case { problem, starts })
+                let origin = Origin {
+                    source: near.source,
+                    proof: near.proof,
+                    direct: true,
+                };
+                (origin, Case { problem, starts })
             })
             .unzip();
-        let mut looked = Looked::default();
-        let entry = &mut self.entries[place];
-        for ((source, proof), found) in sources.into_iter().zip(solve_all(&cases, options)?) {
-            entry.count_from_list();
-            entry.tried.push(source);
-            let Some(mut found) = found else { continue };
-            found.found_by = usize::from(proof);
-            looked
-                .ends
-                .push(End::new(source, &found, entry.outcome.as_ref()));
-            if entry.take(found, source) {
-                looked.better = true;
-                entry.first_find();
-            }
-        }
-        Ok(looked)
+        let found = solve_all(&cases, options)?;
+        Ok(self.entries[place].take_all(sources, found))
     }
 
     /// Solves the problem at `place` from a start that is no stride of this book; it counts as one start.
@@ -264,8 +318,8 @@ impl Book {
         let Some(outcome) = found else {
             return Ok(Looked::default());
         };
-        entry.count_from_list();
         let source = (entry.name, outcome.cost);
+        entry.count_from_list();
         entry.tried.push(source);
         let ends = vec![End::new(source, &outcome, entry.outcome.as_ref())];
         let better = entry.take(outcome, source);
@@ -352,7 +406,7 @@ struct Near<'a> {
 }
 
 /// A stride as a start on a mesh.
-fn start(outcome: &Outcome, mesh: Mesh) -> Start {
+pub(super) fn start(outcome: &Outcome, mesh: Mesh) -> Start {
     if outcome.problem.mesh == mesh {
         outcome.start()
     } else {

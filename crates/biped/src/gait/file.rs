@@ -33,6 +33,9 @@ pub struct Search {
     pub found: usize,
     /// Starts from which it solved the problem.
     pub tried: usize,
+    /// How many of these were hops ([`super::hopping`]): no strides of other problems as they are.
+    #[serde(default)]
+    pub hops: usize,
     /// The start that led to the stride, where the search kept it: whose stride it was, and its cost.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from: Option<(Name, f64)>,

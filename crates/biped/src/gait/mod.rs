@@ -12,6 +12,7 @@ pub mod catalogue;
 pub mod chain;
 pub mod cold;
 pub mod file;
+pub mod hopping;
 pub mod layout;
 mod linear;
 pub mod motion;
