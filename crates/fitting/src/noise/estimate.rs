@@ -192,7 +192,7 @@ const SENSOR: usize = 0;
 pub(super) const PRIVATE: usize = 1;
 pub(super) const PLATE: usize = 2;
 pub(super) const LENGTH: usize = 3;
-const MORE: usize = 4;
+pub(super) const MORE: usize = 4;
 
 /// What the further coordinate is. Roughness is smoother than exponential, or that of the plate has a length of its own; what both at once
 /// would be has not been seen.

@@ -3,13 +3,16 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::estimate::{COARSE, Frame, LENGTH, More, PLATE, PRIVATE, Search};
+use super::estimate::{COARSE, Frame, LENGTH, MORE, More, PLATE, PRIVATE, Search};
 use super::restricted::Criterion;
 use super::search::Minimum;
 
 /// Smoothings that are tried beside exponential roughness, and lengths over which the roughness is alike as shares of the one found
 /// (exponential roughness makes up for what it lacks in smoothness by length).
 const PROBES: [(f64, f64); 4] = [(0.15, 1.0), (0.6, 1.0), (0.6, 0.4), (0.6, 0.15)];
+/// Smoothing beyond which a search may have ended because both lengths are nearly one, and what it begins from again.
+const ALIKE: f64 = 0.6;
+const APART: f64 = 0.1;
 /// -2 log likelihood that smoothing must save, or the roughness is taken as exponential.
 const WORTH_SMOOTHING: f64 = 2.0;
 
@@ -70,7 +73,7 @@ impl Frame {
             if near.value > on_grid(&plain.point, coarse) - 0.5 * WORTH_SMOOTHING {
                 return None;
             }
-            near.point
+            self.apart(criterion, near, evaluations)
         } else {
             point
         };
@@ -92,6 +95,33 @@ impl Frame {
             minimum: found,
             saved: as_fine - own,
         })
+    }
+
+    /// Where both lengths l and rho l have come to be nearly one: the likelier of that point and of what a search from lengths apart finds on
+    /// the same grid. The covariance does not change when the two are exchanged, so no slope leads away from rho = 1, be it likely or not.
+    fn apart(
+        &self,
+        criterion: &Criterion<'_>,
+        alike: Minimum,
+        evaluations: &mut usize,
+    ) -> Vec<f64> {
+        let smoothing = self.sizes(&alike.point).smoothing;
+        if smoothing < ALIKE {
+            return alike.point;
+        }
+        // Over short ways roughness does what rho l^2 says.
+        let mut start = alike.point.clone();
+        start[MORE] = APART.ln();
+        start[LENGTH] += 0.5 * (smoothing / APART).ln();
+        let coarse = COARSE * self.sizes(&alike.point).node_spacing();
+        let apart = self.near(criterion, &start, coarse);
+        *evaluations += apart.evaluations + 1;
+        let on_grid = |point: &[f64]| criterion.value(&self.sizes(point), coarse);
+        if apart.value < on_grid(&alike.point) {
+            apart.point
+        } else {
+            alike.point
+        }
     }
 
     /// A length of its own for the plate's roughness, where that is likelier than one length for both, and than one length beside a step of
