@@ -1,5 +1,6 @@
 //! Fills and improves a file of strides: every problem of the chapter on the gait, solved from the strides of others, the nearest first,
-//! until three starts have found the best. The problem that may soonest be there has its turn. File and list of starts tried (FILE.tried) are
+//! until three starts have found the best. The problem that may soonest be there has its turn; where the strides of others are used up,
+//! hops from problems drawn at random go on, and what no start reaches is walked to. File and list of starts tried (FILE.tried) are
 //! written after every problem, so the work can be interrupted and resumed; without a file it begins with chains from cold starts.
 //!
 //! `cargo run --release -p biped --example explore -- FILE [SECONDS [PARTS [OTHER]]]`; PARTS as in sweep,map; OTHER a file of further
@@ -73,9 +74,13 @@ fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
         offer(&mut book, Path::new(&other), &path, &options, clock)?;
     }
     let mut hopped = vec![0; book.entries.len()];
+    let mut walked = Vec::new();
     while clock.elapsed().as_secs_f64() < seconds {
         let (place, looked) = if let Some(place) = next(&book, &order) {
             (place, book.look(place, NEAR, AT_ONCE, &options)?)
+        } else if let Some(place) = next_walk(&book, &order, &walked) {
+            walked.push(place);
+            (place, book.walk(place, &options)?)
         } else {
             let Some(place) = next_hop(&book, &order, &hopped) else {
                 break;
@@ -104,6 +109,12 @@ fn next(book: &Book, order: &[usize]) -> Option<usize> {
     turns
         .min_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, place)| place)
+}
+
+/// The next problem without a stride to which no way from its neighbours was tried in this run.
+fn next_walk(book: &Book, order: &[usize], walked: &[usize]) -> Option<usize> {
+    let mut places = order.iter().copied();
+    places.find(|place| !book.entries[*place].is_certified() && !walked.contains(place))
 }
 
 /// The problem that hops have their turn at: of those whose stride is not found by enough starts the one with the fewest turns, of the

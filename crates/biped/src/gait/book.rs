@@ -7,7 +7,7 @@
 
 use super::catalogue::{Choice, Kind, Name};
 use super::chain::{Case, Outcome, solve_all};
-use super::passage::pass;
+use super::passage::{Pace, pass};
 use super::programme::Stride;
 use super::refine::on_mesh;
 use super::{Mesh, Problem};
@@ -17,8 +17,12 @@ use trajectory::{Options, ProgrammeError, Start, Status, scaled_distance};
 const SAME_COST: f64 = 1e-6;
 /// Dearer strides of a problem that are kept to hop from, the cheapest.
 const OTHERS: usize = 6;
-/// First and shortest part of a way between two contacts that is tried in one step.
-const PARTS: (f64, f64) = (0.5, 1.0 / 16.0);
+/// How a way between two contacts is gone where one step does not get there.
+const PACE: Pace = Pace {
+    first: 0.125,
+    shortest: 1.0 / 64.0,
+    hops: 5,
+};
 
 /// A start that a problem was solved from: whose stride it was, and its cost.
 pub type Source = (Name, f64);
@@ -354,7 +358,7 @@ impl Book {
             .collect();
         let to = self.entries[place].problem;
         for (source, problem, start) in from {
-            let passage = pass(&problem, start, &to, PARTS, options)?;
+            let passage = pass(&problem, start, &to, PACE, options)?;
             let solves = passage.solves.iter();
             looked
                 .ends

@@ -48,8 +48,8 @@ impl Problem {
 }
 
 impl Book {
-    /// Solves the problem at `place` by hops (see the module): by turns from its own best stride, from one of another problem within
-    /// `reach` and from a dearer one of its own. The first may lead on but does not count.
+    /// Solves the problem at `place` by hops (see the module): of four one from its own best stride, two from dearer ones of its own
+    /// and one from a stride of another problem within `reach`. The first may lead on but does not count.
     ///
     /// # Errors
     /// As [`Book::add`].
@@ -77,7 +77,8 @@ impl Book {
     /// The stride that a hop starts from. Which one it is the seed decides.
     fn footing(&self, place: usize, reach: f64, seed: u64) -> Option<(Origin, Start)> {
         let entry = &self.entries[place];
-        let pick = |count: usize| (seed / 3) as usize % count;
+        let turn = seed % 4;
+        let pick = |count: usize| (seed / 4 + turn) as usize % count;
         let origin = |source, proof| Origin {
             source,
             proof,
@@ -88,10 +89,10 @@ impl Book {
             (origin(source, proof), stride.start())
         };
         let best = entry.outcome.as_ref().filter(|o| o.is_certified());
-        if let (0, Some(best)) = (seed % 3, best) {
+        if let (0, Some(best)) = (turn, best) {
             return Some(own(best, false));
         }
-        if seed % 3 == 1 && !entry.others.is_empty() {
+        if turn < 3 && !entry.others.is_empty() {
             return Some(own(&entry.others[pick(entry.others.len())], true));
         }
         let within = |other: &&Entry| {
@@ -112,6 +113,20 @@ impl Book {
 struct Hop {
     start: Start,
     seed: u64,
+}
+
+/// Solves a problem by hops from one stride.
+pub(super) fn hops_from(
+    problem: &Problem,
+    start: &Start,
+    seeds: std::ops::Range<u64>,
+    options: &Options,
+) -> Result<Vec<Option<Outcome>>, ProgrammeError> {
+    let hop = |seed| Hop {
+        start: start.clone(),
+        seed,
+    };
+    hop_all(problem, seeds.map(hop).collect(), options)
 }
 
 /// Solves a problem from hops, each in two solves: on a problem beside it, then on itself. Hops run in parallel, ends stand in

@@ -1,9 +1,11 @@
 //! From the stride of one problem to another problem in parts of the way, each stride a start for the next.
 //!
 //! Two neighbours may lie so far apart that the solver, started from the one, leaves every stride behind or falls into a dearer one.
-//! Where both are ends of one branch of strides, short parts of the way keep to the branch.
+//! Where both are ends of one branch of strides, short parts of the way keep to the branch. Where the branch ends or gets dear, hops
+//! ([`super::hopping`]) look for another one to go on with.
 
 use super::chain::{Case, Outcome, solve_all};
+use super::hopping::hops_from;
 use super::{Contact, Goal, Limits, Problem};
 use crate::contact::{Brush, Ground};
 use trajectory::{Options, ProgrammeError, Start};
@@ -90,11 +92,12 @@ pub struct Passage {
 }
 
 impl Passage {
-    /// The certified stride at the end, if it got there.
+    /// The cheapest certified stride at the end, if it got there.
     pub fn end(self) -> Option<Outcome> {
-        let last = self.solves.into_iter().next_back();
-        last.filter(|(part, found)| *part >= 1.0 && found.is_certified())
-            .map(|(_, found)| found)
+        let arrived = |(part, found): &(f64, Outcome)| *part >= 1.0 && found.is_certified();
+        let ends = self.solves.into_iter().filter(arrived);
+        ends.map(|(_, found)| found)
+            .min_by(|a, b| a.cost.total_cmp(&b.cost))
     }
 
     /// Steps of all solves.
@@ -103,8 +106,18 @@ impl Passage {
     }
 }
 
-/// Goes from a stride of `from` to `to`, `first` of the way at once, in parts that are halved where one ends without a certificate,
-/// down to `shortest`, and doubled where it holds.
+/// How a way is gone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pace {
+    /// Part of the way that is tried first in one step, and at most.
+    pub first: f64,
+    /// Shortest part that is tried.
+    pub shortest: f64,
+    /// Hops beside the stride of each part; the cheapest certified stride goes on.
+    pub hops: usize,
+}
+
+/// Goes from a stride of `from` to `to` in parts that are halved where one ends without a certificate, and doubled where it holds.
 ///
 /// # Errors
 /// A start of the wrong length, or a problem that contradicts itself.
@@ -112,30 +125,33 @@ pub fn pass(
     from: &Problem,
     mut start: Start,
     to: &Problem,
-    (first, shortest): (f64, f64),
+    pace: Pace,
     options: &Options,
 ) -> Result<Passage, ProgrammeError> {
     let mut passage = Passage::default();
-    let (mut way, mut part) = (0.0, first);
-    while way < 1.0 && part >= shortest {
+    let (mut way, mut part) = (0.0, pace.first);
+    let mut seed = 0;
+    while way < 1.0 && part >= pace.shortest {
         let next = f64::min(way + part, 1.0);
         let Some(problem) = from.towards(to, next) else {
             break;
         };
         let starts = vec![start.clone()];
-        let Some(found) = solve_all(&[Case { problem, starts }], options)?
-            .pop()
-            .flatten()
-        else {
-            break;
-        };
-        if found.is_certified() {
-            (way, start) = (next, found.start());
-            part = (2.0 * part).min(1.0 - way);
+        let mut ends = solve_all(&[Case { problem, starts }], options)?;
+        let seeds = seed..seed + pace.hops as u64;
+        ends.extend(hops_from(&problem, &start, seeds.clone(), options)?);
+        seed = seeds.end;
+        let ends: Vec<Outcome> = ends.into_iter().flatten().collect();
+        let certified = ends.iter().filter(|end| end.is_certified());
+        if let Some(best) = certified.min_by(|a, b| a.cost.total_cmp(&b.cost)) {
+            (way, start) = (next, best.start());
+            part = (2.0 * part).min(pace.first).min(1.0 - way);
         } else {
             part /= 2.0;
         }
-        passage.solves.push((next, found));
+        passage
+            .solves
+            .extend(ends.into_iter().map(|end| (next, end)));
     }
     Ok(passage)
 }
