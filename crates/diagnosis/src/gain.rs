@@ -58,6 +58,8 @@ pub(crate) struct Gains {
     /// Squared error that the named causes, fitted in each fold that found them or others in their stead, take off the unseen runs, in
     /// units of noise and doubt (D11); `None` where these are not known.
     seen: Option<f64>,
+    /// Share of the folds that named one of the named causes again, or one that is tied to it.
+    found_again: f64,
 }
 
 /// A drop (D11) that no noise makes: of a spurious extension whose predictions lie m from the law's it is normal about -m with variance
@@ -68,6 +70,8 @@ const POSSIBLE: f64 = 0.5;
 /// Share of the scrambled extensions that it must beat there, and the share below which it is worse than they are.
 const BEATEN: f64 = 0.95;
 const WORSE: f64 = 0.5;
+/// Share of the folds that must find a name again whose drop on unseen runs may be noise.
+const AGAIN: f64 = 1.0 / 3.0;
 
 impl Gains {
     /// Why the unseen runs speak against what was named, if they do: scrambled signatures do better there, or as well while what is named
@@ -84,6 +88,9 @@ impl Gains {
         }
         // An effect that only one of a few held-out runs shows has an interval over runs that holds zero, however plain it is there.
         let plain = self.seen.is_some_and(|drop| drop > NO_NOISE);
+        if !plain && self.found_again < AGAIN {
+            return Some("is found again by few of the others");
+        }
         let lost = self.seen.is_some_and(|drop| drop <= 0.0);
         let none = gain.ci95.is_some_and(|[least, _]| least <= 0.0) || lost;
         (none && !plain).then_some("gains nothing that is seen")
@@ -173,11 +180,16 @@ pub(crate) fn judge(
             Some(judged.gain(&lacking, &extended))
         })
         .collect();
+    let again = done
+        .iter()
+        .filter(|f| f.lacking.iter().any(Option::is_some));
+    let found_again = again.count() as f64 / done.len() as f64;
     Some(Gains {
         held_out_law: law.rmse(),
         joint,
         each,
         seen,
+        found_again,
     })
 }
 

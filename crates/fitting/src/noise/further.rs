@@ -13,6 +13,8 @@ const PROBES: [(f64, f64); 4] = [(0.15, 1.0), (0.6, 1.0), (0.6, 0.4), (0.6, 0.15
 /// Smoothing beyond which a search may have ended because both lengths are nearly one, and what it begins from again.
 const ALIKE: f64 = 0.6;
 const APART: f64 = 0.1;
+/// -2 log likelihood that the search from there must save. Of eight smooth fields one seems to be of two lengths by 8.
+const WORTH_APART: f64 = 12.0;
 /// -2 log likelihood that smoothing must save, or the roughness is taken as exponential.
 const WORTH_SMOOTHING: f64 = 2.0;
 
@@ -117,7 +119,7 @@ impl Frame {
         let apart = self.near(criterion, &start, coarse);
         *evaluations += apart.evaluations + 1;
         let on_grid = |point: &[f64]| criterion.value(&self.sizes(point), coarse);
-        if apart.value < on_grid(&alike.point) {
+        if apart.value < on_grid(&alike.point) - WORTH_APART {
             apart.point
         } else {
             alike.point
