@@ -345,3 +345,34 @@ fn scrambled(bench: &Bench<'_>, selected: &Selected) -> Vec<Vec<f64>> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Gains where no error is left to explain, so that the interval says nothing.
+    fn gains(seen: f64, found_again: f64) -> Gains {
+        Gains {
+            held_out_law: 1.0,
+            joint: Some(Gain {
+                held_out_rmse_before: 1.0,
+                held_out_rmse_after: 1.001,
+                explained_fraction: None,
+                ci95: None,
+                placebo_exceeded: Some(1.0),
+            }),
+            each: Vec::new(),
+            seen: Some(seen),
+            found_again,
+        }
+    }
+
+    #[test]
+    fn a_name_that_few_folds_find_again_needs_a_plain_drop() {
+        let few = 1.0 / 6.0;
+        assert!(gains(3.0, few).speak_against().is_some());
+        assert_eq!(gains(3.0, 0.5).speak_against(), None);
+        assert_eq!(gains(2.0 * NO_NOISE, few).speak_against(), None);
+        assert!(gains(-1.0, 1.0).speak_against().is_some());
+    }
+}
