@@ -117,14 +117,12 @@ fn next_walk(book: &Book, order: &[usize], walked: &[usize]) -> Option<usize> {
     places.find(|place| !book.entries[*place].is_certified() && !walked.contains(place))
 }
 
-/// The problem that hops have their turn at: of those whose stride is not found by enough starts the one with the fewest turns, of the
-/// others afterwards.
+/// The problem that hops have their turn at: of those whose stride is not found by enough starts the one with the fewest turns.
 fn next_hop(book: &Book, order: &[usize], hopped: &[usize]) -> Option<usize> {
-    let turn = |place: usize| {
-        let open = book.entries[place].starts_left(STARTS).is_some();
-        (!open, hopped[place])
-    };
-    order.iter().copied().min_by_key(|&place| turn(place))
+    let open = order.iter().copied().filter(|&place| {
+        book.entries[place].starts_left(STARTS).is_some() && book.can_hop(place, FARTHEST)
+    });
+    open.min_by_key(|&place| hopped[place])
 }
 
 /// Parts of the work in their order: the halved mesh, whose solves take longest, and the holes of the map, which have to be walked to, last.

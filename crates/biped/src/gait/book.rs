@@ -62,7 +62,11 @@ pub struct Entry {
 /// limits, say, is one start and not two.
 fn is_same((a, a_cost): Source, (b, b_cost): Source) -> bool {
     let own = |name: Name| name.with_choice(Choice::Own);
-    own(a) == own(b) && (a_cost - b_cost).abs() <= SAME_COST * b_cost.abs()
+    own(a) == own(b) && cost_alike(a_cost, b_cost)
+}
+
+fn cost_alike(a: f64, b: f64) -> bool {
+    (a - b).abs() <= SAME_COST * b.abs()
 }
 
 impl Entry {
@@ -126,38 +130,33 @@ impl Entry {
 
     /// Keeps certified strides that are dearer than the best as places to hop from.
     fn keep_others(&mut self, strides: [Outcome; 2], best: f64) {
-        let same = |a: f64, b: f64| (a - b).abs() <= SAME_COST * b.abs();
         for stride in strides {
-            let known = self
-                .others
-                .iter()
-                .any(|other| same(stride.cost, other.cost));
+            let mut known = self.others.iter().map(|other| other.cost);
+            let known = known.any(|cost| cost_alike(stride.cost, cost));
             if stride.is_certified() && !known {
                 self.others.push(stride);
             }
         }
-        self.others.retain(|other| !same(other.cost, best));
+        self.others.retain(|other| !cost_alike(other.cost, best));
         self.others.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         self.others.truncate(OTHERS);
     }
 
     /// Merges what was found from each start, in their order.
-    pub(super) fn take_all(&mut self, sources: Vec<Origin>, found: Vec<Option<Outcome>>) -> Looked {
+    pub(super) fn take_all(&mut self, origins: Vec<Origin>, found: Vec<Option<Outcome>>) -> Looked {
         let mut looked = Looked::default();
-        for (origin, found) in sources.into_iter().zip(found) {
-            let Origin {
-                source,
-                proof,
-                direct,
-            } = origin;
+        for (origin, found) in origins.into_iter().zip(found) {
             self.count_from_list();
-            self.tried.extend(direct.then_some(source));
-            self.hops += usize::from(!direct);
+            if origin.direct {
+                self.tried.push(origin.source);
+            } else {
+                self.hops += 1;
+            }
             let Some(mut found) = found else { continue };
-            found.found_by = usize::from(proof);
-            let end = End::new(source, &found, self.outcome.as_ref());
+            found.found_by = usize::from(origin.proof);
+            let end = End::new(origin.source, &found, self.outcome.as_ref());
             looked.ends.push(end);
-            if self.take(found, source) {
+            if self.take(found, origin.source) {
                 looked.better = true;
                 self.first_find();
             }
@@ -284,7 +283,7 @@ impl Book {
         options: &Options,
     ) -> Result<Looked, ProgrammeError> {
         let problem = self.entries[place].problem;
-        let (sources, cases): (Vec<Origin>, Vec<Case>) = self
+        let (origins, cases): (Vec<Origin>, Vec<Case>) = self
             .near(place, reach)
             .into_iter()
             .take(most)
@@ -299,7 +298,7 @@ impl Book {
             })
             .unzip();
         let found = solve_all(&cases, options)?;
-        Ok(self.entries[place].take_all(sources, found))
+        Ok(self.entries[place].take_all(origins, found))
     }
 
     /// Solves the problem at `place` from a start that is no stride of this book; it counts as one start.

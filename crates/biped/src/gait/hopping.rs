@@ -63,7 +63,7 @@ impl Book {
         let entry = &self.entries[place];
         let tried = entry.outcome.as_ref().map_or(0, |o| o.tried);
         let seeds = (tried..).map(|turn| (place as u64) << 32 | turn as u64);
-        let (sources, hops): (Vec<Origin>, Vec<Hop>) = seeds
+        let (origins, hops): (Vec<Origin>, Vec<Hop>) = seeds
             .take(most)
             .filter_map(|seed| {
                 let (origin, start) = self.footing(place, reach, seed)?;
@@ -71,7 +71,12 @@ impl Book {
             })
             .unzip();
         let found = hop_all(&entry.problem, hops, options)?;
-        Ok(self.entries[place].take_all(sources, found))
+        Ok(self.entries[place].take_all(origins, found))
+    }
+
+    /// Whether there is a stride to hop from.
+    pub fn can_hop(&self, place: usize, reach: f64) -> bool {
+        self.footing(place, reach, 0).is_some()
     }
 
     /// The stride that a hop starts from. Which one it is the seed decides.
