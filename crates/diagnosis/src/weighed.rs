@@ -25,7 +25,7 @@
 //! extension and the scrambled ones alike.
 
 use fitting::noise::Whitener;
-use nalgebra::{Cholesky, DMatrix, Dyn};
+use nalgebra::DMatrix;
 
 use crate::bench::Bench;
 use crate::floor;
@@ -43,13 +43,14 @@ pub(crate) struct Weighed<'a> {
     pub(crate) own: f64,
     /// The share of A that may be wrong: two standard deviations of a chi-squared with p degrees of freedom, over its mean.
     pub(crate) wrong: f64,
-    /// B of (D11) and the factor of I + B'B: for each fold, for each run that it holds out.
+    /// B of (D11) and a root of I + B'B: for each fold, for each run that it holds out.
     doubts: Vec<Vec<Doubt>>,
 }
 
 struct Doubt {
     white: DMatrix<f64>,
-    spread: Cholesky<f64, Dyn>,
+    /// R, upper triangular, R'R = I + B'B.
+    root: DMatrix<f64>,
 }
 
 impl<'a> Weighed<'a> {
@@ -102,8 +103,12 @@ impl<'a> Weighed<'a> {
         let runs = self.doubts[k].iter().zip(white.column_iter());
         runs.map(|(doubt, e)| {
             let plain = e.norm_squared();
-            let along = doubt.white.tr_mul(&e);
-            (plain, plain - along.dot(&doubt.spread.solve(&along)))
+            let along = doubt
+                .root
+                .tr_solve_upper_triangular(&doubt.white.tr_mul(&e));
+            // R is no more singular than I: only a doubt that is no number leaves nothing to solve.
+            let excused = along.map_or(f64::NAN, |along| along.norm_squared());
+            (plain, plain - excused)
         })
         .collect()
     }
@@ -132,12 +137,19 @@ impl<'a> Weighed<'a> {
         let white = self
             .whitener
             .whiten_columns(&self.subset.gather_columns(&columns));
-        let spread = DMatrix::identity(white.ncols(), white.ncols()) + white.tr_mul(&white);
         Doubt {
-            spread: Cholesky::new(spread).expect("I + B'B is positive definite"),
+            root: root(&white),
             white,
         }
     }
+}
+
+/// R of (D11). From B below I and not from B'B, in whose rounding I is lost beside a doubt of 1e8 standard deviations.
+fn root(white: &DMatrix<f64>) -> DMatrix<f64> {
+    let (n, p) = white.shape();
+    let mut stacked = DMatrix::identity(p + n, p);
+    stacked.rows_mut(p, n).copy_from(white);
+    stacked.qr().unpack_r()
 }
 
 fn differences(a: &[f64], b: &[f64]) -> Vec<f64> {
@@ -159,4 +171,38 @@ pub(crate) fn beside_repeats(whole: &Whole<'_>, selected: &Selected, folds: &[Fo
         variance += 2.0 * (sizes.scatter.powi(2) * force).powi(2);
     }
     plate + 2.0 * (2.0 * variance).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_doubt_beyond_the_rounding_of_its_square_keeps_its_root() {
+        // Columns along one direction: I + B'B has an eigenvalue beyond 1e18, and all others are 1.
+        let mut without = 0;
+        for case in 1..=20 {
+            let white = DMatrix::from_fn(50, 3, |i, k| {
+                1e9 * (1.0 + i as f64 / 7.0) * (case as f64 * 0.37 + k as f64).sin()
+            });
+            let squared = DMatrix::identity(3, 3) + white.tr_mul(&white);
+            without += usize::from(nalgebra::Cholesky::new(squared).is_none());
+            let root = root(&white);
+            assert!((1..3).all(|k| root[(k, k)].abs() > 0.5), "{root}");
+        }
+        assert!(without > 0, "rounding never took the square its root");
+    }
+
+    #[test]
+    fn the_root_is_that_of_the_square() {
+        let white = DMatrix::from_fn(7, 3, |i, k| ((3 * i + 2 * k) as f64).sin());
+        let squared = DMatrix::identity(3, 3) + white.tr_mul(&white);
+        let root = root(&white);
+        assert!((root.tr_mul(&root) - squared).amax() < 1e-12);
+    }
+
+    #[test]
+    fn no_doubt_has_no_root() {
+        assert_eq!(root(&DMatrix::zeros(5, 0)).ncols(), 0);
+    }
 }
