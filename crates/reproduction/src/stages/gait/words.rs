@@ -89,8 +89,8 @@ pub(super) fn section(figures: Vec<Block>, values: &[Value], quick: bool) -> Sec
     if has(values, "gait.search.recorded") {
         blocks.push(Block::prose(
             "The search that made the starts ended in {{ n(\"gait.search.thrice\") }} of \
-             {{ n(\"gait.search.recorded\") }} recorded strides from at least three starts (strides of other problems); the table of \
-             strides names the count of each.",
+             {{ n(\"gait.search.recorded\") }} recorded strides from at least three starts (strides of other problems, hops from \
+             them or from dearer strides); the table of strides names the count of each.",
         ));
     }
     blocks.push(Block::notice(
