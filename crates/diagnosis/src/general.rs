@@ -98,6 +98,7 @@ pub(crate) fn families(
     }
     if samples.runs.len() <= MOST_RUNS {
         out.push(each_run(samples, scale));
+        out.push(zeros(samples));
     }
     if samples.averaged.is_empty() {
         let [first, second] = slopes(samples, recorded);
@@ -252,6 +253,23 @@ fn each_run(samples: &Samples, scale: &[f64]) -> Hats {
                 Some(k),
             ));
         }
+    }
+    Hats {
+        axis: "time",
+        unit: "s",
+        columns,
+        cells,
+    }
+}
+
+/// A force for each run: the zero of the force wanders over the day.
+fn zeros(samples: &Samples) -> Hats {
+    let runs = samples.runs.len();
+    let mut columns = DMatrix::zeros(samples.len(), runs);
+    let mut cells = Vec::with_capacity(runs);
+    for (k, run) in samples.runs.iter().enumerate() {
+        columns.view_mut((run.start, k), (run.len(), 1)).fill(1.0);
+        cells.push((0.0, samples.time[run.end - 1], Some(k)));
     }
     Hats {
         axis: "time",

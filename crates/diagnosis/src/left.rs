@@ -1,5 +1,5 @@
 //! What is left beside a fitted model, whatever it is: smooth structure over the plate, speed, time, load or the force's slope,
-//! short bursts, marks on the plate. The three searches pay for one another by Bonferroni's bound.
+//! short bursts, marks on the plate, gains that some runs share. The four searches pay for one another by Bonferroni's bound.
 
 use nalgebra::DMatrix;
 
@@ -8,12 +8,14 @@ use crate::bench::Bench;
 use crate::bursts::bursts;
 use crate::general::{self, Lack};
 use crate::marks::marks;
+use crate::patterns::patterns;
 use crate::selection::ALPHA_GENERAL;
 use crate::stand::Stand;
 use crate::subset::Subset;
 
-/// Of it, the share that the search for marks on the plate may spend: a mark that matters is far beyond the roughness.
-const MARKS_SHARE: f64 = 0.05;
+/// Of it, the share that the search for marks on the plate may spend, and that for gains that some runs share: a mark that matters is far
+/// beyond the roughness, and such a gain far beyond the scatter.
+const SMALL_SHARE: f64 = 0.05;
 
 /// The general lack-of-fit test beside a stand.
 pub(crate) fn lack(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Lack {
@@ -35,14 +37,19 @@ pub(crate) fn lack(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Lack {
     let smooth = general::test(ground, &families, &white, &samples, &names);
     let burst = bursts(ground, &samples, &names, coarse.is_some());
     let mark = marks(bench, stand, ground, subset, &samples, &scale);
+    let pattern = patterns(ground, stand.white_gains(), &samples, &names);
     let paid = |mut lack: Lack, share: f64| {
         lack.log_p = (lack.log_p - share.ln()).min(0.0);
         lack
     };
-    let mark = paid(mark, MARKS_SHARE);
-    let half = 0.5 * (1.0 - MARKS_SHARE);
+    let mark = paid(mark, SMALL_SHARE);
+    let half = 0.5 - SMALL_SHARE;
     let mut best = mark.clone();
-    for other in [paid(smooth, half), paid(burst, half)] {
+    for other in [
+        paid(smooth, half),
+        paid(burst, half),
+        paid(pattern, SMALL_SHARE),
+    ] {
         if other.log_p < best.log_p {
             best = other;
         }

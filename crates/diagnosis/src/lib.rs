@@ -36,6 +36,7 @@ mod laws;
 mod left;
 mod look_back;
 mod marks;
+mod patterns;
 mod peaks;
 mod periodic;
 mod prepare;

@@ -47,9 +47,12 @@ const APART: f64 = 0.6;
 const MOST_RISE: f64 = 2.0;
 
 /// Neighbours of a line, up to this share of its frequency and so many on either side. What begins at both ends of a plate, or in a few moments of
-/// a run, looks alike at frequencies that are whole cycles over the longest stretch apart: neighbours are half a cycle apart.
+/// a run, looks alike at frequencies that are whole cycles over the longest stretch apart: neighbours are half a cycle apart. Where a period is of
+/// the place, all slower lines are neighbours: starts at a few places are as well explained by a fast one.
 const NEIGHBOURHOOD: f64 = 0.3;
 const NEIGHBOURS: i32 = 60;
+/// Half cycles by which a faster line of the place may be a neighbour beyond that share.
+const FASTER: i32 = 24;
 
 impl Peaks {
     pub(crate) fn none() -> Self {
@@ -108,13 +111,19 @@ impl Peaks {
         cause: usize,
         frequency: f64,
     ) -> Self {
-        let half_cycle = match period(bench, cause) {
-            Some((_, false)) => 0.5 / extent(&bench.samples.place).max(1e-9),
-            _ => 0.5 / stretch(bench, cause),
+        let of_place = matches!(period(bench, cause), Some((_, false)));
+        let half_cycle = match of_place {
+            true => 0.5 / extent(&bench.samples.place).max(1e-9),
+            false => 0.5 / stretch(bench, cause),
         };
+        let slowest = 2.0 / stretch(bench, cause) - frequency;
         if let Some(looked) = self.found.iter_mut().find(|f| f.cause == cause) {
-            let near = (-NEIGHBOURS..=NEIGHBOURS).map(|k| f64::from(k) * half_cycle);
-            let near = near.filter(|shift| shift.abs() <= NEIGHBOURHOOD * frequency);
+            let near = (-NEIGHBOURS..=NEIGHBOURS).map(|k| (k, f64::from(k) * half_cycle));
+            let near = near.filter(|&(k, shift)| {
+                let far = of_place && shift >= slowest && k <= FASTER;
+                far || shift.abs() <= NEIGHBOURHOOD * frequency
+            });
+            let near = near.map(|(_, shift)| shift);
             looked.lines.extend(near.map(|shift| Line {
                 frequency: frequency + shift,
                 background: 1.0,

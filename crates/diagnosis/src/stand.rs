@@ -186,6 +186,11 @@ impl Stand {
         ))
     }
 
+    /// Whitened gains of the runs, with the prior's rows.
+    pub(crate) fn white_gains(&self) -> &DMatrix<f64> {
+        &self.white_gains
+    }
+
     /// The gains of the runs beside the fit, the model's directions left in them.
     pub(crate) fn between_runs(&self) -> BetweenRuns {
         let (gains, lambda) = self.turned_gains();
