@@ -14,8 +14,9 @@ use crate::{IntegrationError, Law, Record};
 const STIFF: f64 = 2.0;
 /// The Stribeck curve is flat, as far as stages can see, from so many of its speed scales on: exp(-16) for p = 2.
 const BEYOND_THE_PEAK: f64 = 4.0;
-/// Stages of a step over so many speed scales still meet the curve wherever the step begins or ends within it.
-const MET: f64 = 8.0;
+/// Speed scales that a step may go over below these: at rest the state does not change whatever the curve says, so that of a step to a stop
+/// the second stage, some third of the way before its end, is the last one to meet the peak.
+const MET: f64 = 2.0;
 /// Factor by which a step grows at most.
 const FASTEST: f64 = 4.0;
 /// The quintic of a step is continued over as many of its size at most.
@@ -401,8 +402,9 @@ impl Walker<'_> {
         }
     }
 
-    /// A step that would leap from far above the Stribeck curve's speeds into them, or out of them, ends where they begin. Its three stages
-    /// could all lie where the curve is flat: neither the state nor the error estimate would know that there is a peak.
+    /// The size of a step that no peak of the Stribeck curve escapes: from above the curve's speeds it ends where they begin, among them it
+    /// goes over a few scales only. Else its three stages could all lie where the curve is flat or nothing moves, and neither the state
+    /// nor the error estimate would know that there is a peak.
     fn up_to_the_peak(&self, stretch: &Stretch<f64>, t: f64, h: f64, z: f64) -> f64 {
         let Some(scale) = self.law.curve.speed else {
             return h;
@@ -413,13 +415,15 @@ impl Walker<'_> {
         if (to - from).abs() * self.law.highest_gear() <= MET * scale {
             return h;
         }
-        let (edge, gear) = (BEYOND_THE_PEAK * scale, self.law.gear(z));
-        let (from, to) = (from * gear, to * gear);
-        let leaps = (to - from).abs() > MET * scale && (from - edge) * (to - edge) < 0.0;
-        if !leaps || (from - edge).abs() <= 1e-6 * edge {
-            return h;
-        }
-        h * (edge - from) / (to - from)
+        let gear = self.law.gear(z) / scale;
+        let (from, change) = (from * gear, (to - from) * gear);
+        let above = from - BEYOND_THE_PEAK;
+        let most = match change > 0.0 {
+            true if above >= 0.0 => return h,
+            true => MET,
+            false => above.max(MET),
+        };
+        h * (most / change.abs()).min(1.0)
     }
 
     /// Newton's iteration for the three stages, with the law at the last of them; `None` where it does not settle.

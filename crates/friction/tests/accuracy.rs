@@ -1,7 +1,7 @@
 //! Accuracy of the integration: against closed forms and a fine classical method, orders by slope, stiff corners,
 //! derivatives by Taylor ratios.
 
-use friction::{Drive, Law, LawKind, Record, Scalar, integrate, linear_stretches};
+use friction::{Drive, Exponent, Law, LawKind, Record, Scalar, integrate, linear_stretches};
 use num_dual::DualSVec64;
 
 const BRISTLE: [f64; 7] = [0.5, 0.62, 1.5, 0.1, 0.01, 1.5, -0.3];
@@ -94,6 +94,34 @@ fn a_fast_reversal_does_not_leap_over_the_stribeck_curve() {
         let error = largest(&ours, &theirs) / level;
         assert!(error < 1e-5, "{kind:?}: {error} of the level");
     }
+}
+
+/// A step to a stop meets the curve's peak although nothing moves at its end: from so many speed scales to rest and up again within
+/// `ramp_s`, with flat and steep curves.
+#[test]
+fn a_stop_does_not_leap_over_the_stribeck_curve() {
+    const SCALE_M_S: f64 = 0.0138;
+    let mut worst: f64 = 0.0;
+    for exponent in [1.0, 2.0, 2.5, 4.4] {
+        let parameters = [0.13, 0.218, SCALE_M_S, 280.0, 0.31, 0.81];
+        let mut law = LawKind::Lugre.build(&parameters, None).expect("a law");
+        law.curve.exponent = Exponent::General(exponent);
+        for ramp_s in [0.03, 0.14, 1.0] {
+            for half_scales in 1..=40 {
+                let top = 0.5 * f64::from(half_scales) * SCALE_M_S;
+                let time: Vec<f64> = (0..=300).map(|i| ramp_s * f64::from(i) / 100.0).collect();
+                let velocity: Vec<f64> = (time.iter())
+                    .map(|t| top * (1.0 - t / ramp_s).abs().min(1.0))
+                    .collect();
+                let knots = linear_stretches(&time, &velocity, 1e-12);
+                let level = parameters[0] / parameters[3];
+                let ours = states(&law, &time, &velocity, &knots, level);
+                let theirs = runge_kutta(&law, &time, &velocity, level, 40);
+                worst = worst.max(largest(&ours, &theirs) / level);
+            }
+        }
+    }
+    assert!(worst < 1e-4, "{worst} of the level");
 }
 
 #[test]
