@@ -16,6 +16,7 @@ mod lift;
 mod normal;
 mod parameter;
 mod path;
+mod peak;
 pub mod radau;
 mod scalar;
 mod stretch;

@@ -12,11 +12,6 @@ use crate::{IntegrationError, Law, Record};
 
 /// Above this product of rate and step the quintic is replaced by the collocation polynomial, which does not overshoot.
 const STIFF: f64 = 2.0;
-/// The Stribeck curve is flat, as far as stages can see, from so many of its speed scales on: exp(-16) for p = 2.
-const BEYOND_THE_PEAK: f64 = 4.0;
-/// Speed scales that a step may go over below these: at rest the state does not change whatever the curve says, so that of a step to a stop
-/// the second stage, some third of the way before its end, is the last one to meet the peak.
-const MET: f64 = 2.0;
 /// Factor by which a step grows at most.
 const FASTEST: f64 = 4.0;
 /// The quintic of a step is continued over as many of its size at most.
@@ -376,7 +371,11 @@ impl Walker<'_> {
             } else {
                 allowed
             };
-            let h = self.up_to_the_peak(stretch, t, free, node.z);
+            let speed = |t: f64| stretch.motion(t).drive.curve_speed;
+            let share = self
+                .law
+                .share_to_the_peak(node.z, speed(t), speed(t + free));
+            let h = share * free;
             let smallest = h <= SMALLEST * span * 1.01;
             match self.stages(stretch, t, h, start) {
                 Some((stages, end)) => {
@@ -400,30 +399,6 @@ impl Walker<'_> {
                 None => self.step = 0.25 * h,
             }
         }
-    }
-
-    /// The size of a step that no peak of the Stribeck curve escapes: from above the curve's speeds it ends where they begin, among them it
-    /// goes over a few scales only. Else its three stages could all lie where the curve is flat or nothing moves, and neither the state
-    /// nor the error estimate would know that there is a peak.
-    fn up_to_the_peak(&self, stretch: &Stretch<f64>, t: f64, h: f64, z: f64) -> f64 {
-        let Some(scale) = self.law.curve.speed else {
-            return h;
-        };
-        let (from, to) = (stretch.motion(t), stretch.motion(t + h));
-        let (from, to) = (from.drive.curve_speed, to.drive.curve_speed);
-        // no lean gears higher than the height alone
-        if (to - from).abs() * self.law.highest_gear() <= MET * scale {
-            return h;
-        }
-        let gear = self.law.gear(z) / scale;
-        let (from, change) = (from * gear, (to - from) * gear);
-        let above = from - BEYOND_THE_PEAK;
-        let most = match change > 0.0 {
-            true if above >= 0.0 => return h,
-            true => MET,
-            false => above.max(MET),
-        };
-        h * (most / change.abs()).min(1.0)
     }
 
     /// Newton's iteration for the three stages, with the law at the last of them; `None` where it does not settle.

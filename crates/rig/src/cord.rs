@@ -105,6 +105,14 @@ impl<D: Scalar> Stretch<D> {
         drive
     }
 
+    /// Speed at which the curve is read where the specimen goes on at speed `u`, with the slip's sign where it has no memory.
+    fn curve_speed(&self, t: f64, u: D) -> D {
+        match &self.curve {
+            Some(curve) => self.line(curve, t),
+            None => self.line(&self.velocity, t) - u,
+        }
+    }
+
     fn real(&self) -> Stretch<f64> {
         let pair = |ends: &[D; 2]| [ends[0].value(), ends[1].value()];
         Stretch {
@@ -375,11 +383,14 @@ impl<D: Scalar> Solver<'_, D> {
             }
             self.left -= 1;
             let allowed = self.step.max(smallest);
-            let h = if t + allowed * 1.000_001 >= stretch.t1 {
+            let free = if t + allowed * 1.000_001 >= stretch.t1 {
                 stretch.t1 - t
             } else {
                 allowed
             };
+            let speed = |t: f64| stretch.curve_speed(t, y[2]);
+            let share = self.law.share_to_the_peak(y[0], speed(t), speed(t + free));
+            let h = share * free;
             let last_resort = h <= smallest * 1.01;
             let trial = Trial { stretch, t, h, y };
             let Some((stages, factorised)) = self.newton(trial) else {
@@ -393,7 +404,7 @@ impl<D: Scalar> Solver<'_, D> {
             let factor = 0.9 * (TOLERANCE / estimate.max(1e-300)).sqrt().sqrt();
             if estimate <= TOLERANCE || last_resort {
                 let next = h * factor.clamp(0.2, 4.0);
-                let cut_by_stretch = t + h >= stretch.t1 && h < self.step;
+                let cut_by_stretch = (t + h >= stretch.t1 || h < free) && h < self.step;
                 self.step = if cut_by_stretch {
                     self.step.max(next)
                 } else {

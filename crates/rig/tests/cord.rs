@@ -79,6 +79,27 @@ fn a_mass_on_a_cord_agrees_with_an_explicit_integration() {
     }
 }
 
+/// From so many speed scales of the Stribeck curve to a stop and up again: the cord is stiff and damped, so that steps may be long.
+#[test]
+fn a_stop_on_a_cord_does_not_leap_over_the_stribeck_curve() {
+    const LAW: [f64; 6] = [0.13, 0.218, 0.0138, 280.0, 0.31, 0.81];
+    let law = LawKind::Lugre.build(&LAW, None).expect("complete");
+    let t = time(1500, 1.0 / 500.0);
+    let mut worst: f64 = 0.0;
+    for half_scales in 2..=20 {
+        let top = 0.5 * f64::from(half_scales) * LAW[2];
+        let away = |t: f64| (t - 1.5).abs() / 1.0;
+        let v: Vec<f64> = (t.iter())
+            .map(|t| top * away(*t).min(t / 0.2).min(1.0))
+            .collect();
+        let fine = explicit(&law, &t, &v, 1e-6, 200.0, 0.01, 100);
+        let ours = predicted(LawKind::Lugre, &LAW, &v, &t, 1e-6, 200.0, 0.01);
+        worst = worst.max(largest(&ours, &fine) / (LOAD * LAW[0]));
+    }
+    // Between the stages of a step the record is read off the collocation polynomial.
+    assert!(worst < 1e-3, "{worst} of the level");
+}
+
 #[test]
 fn a_soft_cord_delays_the_start_and_a_stiff_one_is_the_rigid_chain() {
     let t = time(300, 1.0 / 60.0);
