@@ -27,6 +27,8 @@ use crate::whole::{Whole, of_all_samples};
 
 /// Selections on a condensed record after the first, each with the rows' errors at what the last one named.
 const SECOND_LOOKS: usize = 2;
+/// Laws whose corrected Akaike criteria differ by less than this fit alike (Burnham and Anderson 2002, 2.6).
+const ALIKE: f64 = 2.0;
 /// Rows' errors that changed by less than this share of the force are the same.
 const ROWS_AGREE: f64 = 1e-3;
 
@@ -259,18 +261,17 @@ fn complete(
     answer.undecidable.extend(ties::lacking(bench));
     if options.model.is_none() {
         answer.laws = laws::compare(bench, whole, selected);
+        let own = answer.laws.iter().find(|l| l.law == answer.law);
+        let behind = own.map_or(f64::NAN, |l| l.delta_aicc);
         if let Some(best) = answer.laws.first()
             && best.law != answer.law
+            && !(behind <= ALIKE)
         {
             answer.notes.push(format!(
                 "law {} fits this campaign better than {} (corrected Akaike criterion lower by {:.0})",
                 best.law,
                 answer.law,
-                answer
-                    .laws
-                    .iter()
-                    .find(|l| l.law == answer.law)
-                    .map_or(f64::NAN, |l| l.delta_aicc)
+                behind
             ));
         }
     }
