@@ -111,8 +111,8 @@ pub(crate) fn families(
     out
 }
 
-/// With more runs than this no family has columns for each.
-const MOST_RUNS: usize = 40;
+/// With more runs than this nothing is asked of each.
+pub(crate) const MOST_RUNS: usize = 40;
 
 /// First and second slope in time of a force, within each run.
 fn slopes(samples: &Samples, recorded: &[f64]) -> [Vec<f64>; 2] {

@@ -7,13 +7,12 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::answer::Place;
-use crate::general::Lack;
+use crate::general::{Lack, MOST_RUNS};
 use crate::ground::{Ground, Score};
 use crate::samples::Samples;
 
-/// Runs between which nothing can be told, and with more of which nothing is asked.
+/// With fewer runs a gain of some is not told from scatter.
 const FEWEST_RUNS: usize = 5;
-const MOST_RUNS: usize = 40;
 /// Longest period of a pattern, in runs.
 const LONGEST_PERIOD: usize = 4;
 
