@@ -205,7 +205,7 @@ fn fold(
     let kept: Vec<usize> = (0..bench.samples.runs.len())
         .filter(|k| !held.contains(k))
         .collect();
-    let subset = Subset::new(bench, kept);
+    let subset = Subset::new(bench, kept).turning(warm.turns);
     if named.is_empty() {
         // Nothing is named, nothing is gained: only the law's own error is asked for.
         let law = law_alone(bench, &subset, Some(warm))?.fitted;

@@ -19,7 +19,7 @@ const SMALL_SHARE: f64 = 0.05;
 
 /// The general lack-of-fit test beside a stand.
 pub(crate) fn lack(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Lack {
-    let samples = subset.samples(bench);
+    let samples = subset.samples_on_the_plate(bench);
     let scale: Vec<f64> = subset
         .gather(stand.fitted.friction(bench))
         .iter()

@@ -195,7 +195,7 @@ fn strongest_step(
     law: &Stand,
     about: Option<&Place>,
 ) -> Option<Step> {
-    let samples = subset.samples(bench);
+    let samples = subset.samples_on_the_plate(bench);
     let scale = subset.gather(law.fitted.friction(bench));
     let steps = match about {
         None => general::steps(&samples, scale.as_slice()),
@@ -216,13 +216,13 @@ fn strongest_step(
     let strongest = (0..white.ncols())
         .filter_map(|j| {
             let direction = law.ground.direction(&white.columns(j, 1).into_owned())?;
-            Some((j, law.ground.score(&direction)))
+            Some((j, law.ground.explained(&direction), direction))
         })
-        .max_by(|a, b| a.1.statistic.total_cmp(&b.1.statistic));
-    strongest.map(|(j, score)| Step {
+        .max_by(|a, b| a.1.total_cmp(&b.1));
+    strongest.map(|(j, explained, direction)| Step {
         place: steps.place(j, &bench.run_names(subset)),
-        explained: score.statistic,
-        log_p: score.log_p,
+        explained,
+        log_p: law.ground.score(&direction).log_p,
     })
 }
 

@@ -92,6 +92,8 @@ pub(crate) struct Warm {
     pub(crate) causes: Vec<(usize, Vec<f64>)>,
     /// How late samples tell of the plate.
     pub(crate) late: Lateness,
+    /// Whether the plate turns.
+    pub(crate) turns: bool,
 }
 
 impl Selected {
@@ -107,6 +109,7 @@ impl Selected {
                 .map(|k| (extended.effects[k], own(k)))
                 .collect(),
             late: self.subset.lateness(),
+            turns: self.subset.turns(),
         }
     }
 }
@@ -199,8 +202,18 @@ pub(crate) fn select(
     depth: Depth,
     warm: Option<&Warm>,
 ) -> Option<Selected> {
-    let subset = subset.late_by(warm.map_or(Lateness::default(), |w| w.late));
-    let ground = baseline(bench, &subset, warm)?;
+    let mut subset = subset
+        .late_by(warm.map_or(Lateness::default(), |w| w.late))
+        .turning(warm.is_some_and(|w| w.turns));
+    let mut ground = baseline(bench, &subset, warm)?;
+    if warm.is_none() && subset.can_turn(bench) {
+        // A disc or a plate without end: the likelier, by what the law leaves.
+        let disc = subset.turning(true);
+        let beside = baseline(bench, &disc, warm)?;
+        if beside.0.deviance < ground.0.deviance {
+            (subset, ground) = (disc, beside);
+        }
+    }
     select_beside(bench, subset, ground, depth, warm, true)
 }
 

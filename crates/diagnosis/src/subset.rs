@@ -1,5 +1,6 @@
 //! The runs that are looked at, and what the noise must know of them.
 
+use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -22,6 +23,8 @@ pub(crate) struct Subset {
     whole: bool,
     /// How late samples tell of the plate.
     late: Lateness,
+    /// Whether the plate turns: after a revolution the same place comes round again.
+    turns: bool,
 }
 
 impl Subset {
@@ -48,6 +51,7 @@ impl Subset {
             rows,
             whole,
             late: Lateness::default(),
+            turns: false,
         }
     }
 
@@ -66,6 +70,37 @@ impl Subset {
     /// How late samples tell of the plate.
     pub(crate) fn lateness(&self) -> Lateness {
         self.late
+    }
+
+    /// The same runs on a plate that turns, or does not ([`Self::can_turn`]).
+    pub(crate) fn turning(&self, turns: bool) -> Self {
+        Self {
+            turns,
+            ..self.clone()
+        }
+    }
+
+    /// Whether the plate turns.
+    pub(crate) fn turns(&self) -> bool {
+        self.turns
+    }
+
+    /// Whether the runs take a rotary rig round more than once, so that a disc and a plate without end are two things.
+    pub(crate) fn can_turn(&self, bench: &Bench<'_>) -> bool {
+        bench.experiment.axis == campaign::Axis::Rotary && {
+            let (lo, hi) = extent(&bench.samples.place);
+            hi - lo > TAU
+        }
+    }
+
+    /// Where on the plate a coordinate lies.
+    fn on_the_plate(&self, bench: &Bench<'_>, places: &mut [f64]) {
+        if self.turns {
+            let origin = extent(&bench.samples.place).0;
+            places
+                .iter_mut()
+                .for_each(|x| *x = origin + (*x - origin).rem_euclid(TAU));
+        }
     }
 
     /// Whether samples are means over rows.
@@ -109,11 +144,13 @@ impl Subset {
         let (place, velocity) = (&bench.samples.place, &bench.samples.velocity);
         let steps_s = self.steps_s(bench);
         let seen = |(&i, &step): (&usize, &f64)| place[i] - self.late.at_s(step) * velocity[i];
+        let mut places: Vec<f64> = self.rows.iter().zip(&steps_s).map(seen).collect();
+        self.on_the_plate(bench, &mut places);
         Context {
             runs: self.ranges.clone(),
             conditions: self.conditions(bench),
             sliding: pick(&bench.samples.sliding),
-            place: self.rows.iter().zip(&steps_s).map(seen).collect(),
+            place: places,
             scale: self.gather(scale).as_slice().to_vec(),
             channel: Arc::new(Channel {
                 lag: Lag::new(steps_s.into_iter(), self.late.lag_s),
@@ -158,6 +195,7 @@ impl Subset {
                 context.place[i] -= ring.left_s() * bench.samples.velocity[self.rows[i]];
             }
         }
+        self.on_the_plate(bench, &mut context.place);
         Arc::make_mut(&mut context.channel).rings = rings;
         context
     }
@@ -179,6 +217,21 @@ impl Subset {
         }
         bench.samples.select(&self.ranges, &self.rows)
     }
+
+    /// The same, each in its place on the plate: of a disc within one revolution.
+    pub(crate) fn samples_on_the_plate(&self, bench: &Bench<'_>) -> Samples {
+        let mut samples = self.samples(bench);
+        self.on_the_plate(bench, &mut samples.place);
+        samples
+    }
+}
+
+fn extent(places: &[f64]) -> (f64, f64) {
+    places
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), &x| {
+            (lo.min(x), hi.max(x))
+        })
 }
 
 /// The resonance of a run's specimen on its cord beside a fit.

@@ -72,7 +72,9 @@ pub(crate) fn of_all_samples(recorded: &Bench<'_>, fitted: &Fitted) -> Fitted {
 /// A fit carried on with all samples, under the noise that the search found.
 fn fit(recorded: &Bench<'_>, fitted: &Fitted, selected: &Selected) -> Fitted {
     let start = of_all_samples(recorded, fitted);
-    let subset = Subset::all(recorded).late_by(selected.subset.lateness());
+    let subset = Subset::all(recorded)
+        .late_by(selected.subset.lateness())
+        .turning(selected.subset.turns());
     let context = subset.context_of(recorded, &start);
     let whitener = Whitener::new(&context, &selected.stand.sizes);
     let dear = fitted.effects.iter().any(|&e| is_dear(recorded, e));
