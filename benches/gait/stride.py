@@ -6,7 +6,8 @@ differentiation (the Rust crate sums virtual work), the programme is solved by I
 
 Transcription (the same as in Rust): order front stance, flight, rear stance, flight; two-stage Radau IIA.
 With h = T_p / N_p the variables are scaled by time, w = h v and b = h^2 a, so that all defects
-are linear; the dynamics are multiplied by h^2.
+are linear; the dynamics are multiplied by h^2. The intervals of a compliant stance are short where the foot
+strikes (`passed`), and past its first fifth the loss factor is at most LATE_LOSS.
 """
 
 import casadi as ca
@@ -20,6 +21,7 @@ B = np.array([3 / 4, 1 / 4])
 STANCE = [0, None, 1, None]
 RATE_LIMIT = 60.0
 RATE_WEIGHT = 1e-6
+STRIKE, LATE_LOSS = 0.2, 2.0
 
 
 def along(angle):
@@ -86,13 +88,21 @@ def point_function(stance, rigid):
             fn = par[0] * (foot[1] ** 2 + 1e-8) ** 0.75 * loss
             f = ca.vertcat(friction(par[3], par[4], par[2], speed[0]) * fn, fn)
             inequal.append(loss)
+            sinking = LATE_LOSS - loss
         res -= jac.T @ f
     else:
         f = ca.SX.zeros(2)
+    if stance is None or rigid:
+        sinking = ca.SX.zeros(0)
     heights = ca.vertcat(legs[0][2][1], legs[1][2][1], legs[0][1][1], legs[1][1][1])
     out = ca.vertcat(*([h**2 * res] + equal))
     args = [q, w, b, u, h] + ([force] if rigid and stance is not None else []) + [par]
-    return ca.Function("point", args, [out, ca.vertcat(*inequal) if inequal else ca.SX.zeros(0), heights, f])
+    return ca.Function("point", args, [out, ca.vertcat(*inequal) if inequal else ca.SX.zeros(0), heights, f, sinking])
+
+
+def passed(u, graded):
+    """Part of a phase's time that has passed with a part u of its intervals."""
+    return u * (0.2 + 0.8 * u) if graded else u
 
 
 class Stride:
@@ -102,6 +112,7 @@ class Stride:
                  hip_deg=(-110, 70), foot_depth_m=0.05):
         self.rigid = rigid
         self.intervals = [mesh[p % 2] for p in range(4)]
+        self.graded = [STANCE[p] is not None and not rigid for p in range(4)]
         x, lower, upper, scale = [], [], [], []
         g, gl, gu = [], [], []
         self.names = {}
@@ -147,6 +158,8 @@ class Stride:
             fine = (8, 5)[p % 2] / n
             qs, ws = last[0], w0[p]
             for i in range(n):
+                begin, end_of = (passed(j / n, self.graded[p]) for j in (i, i + 1))
+                length = end_of - begin
                 stage = []
                 for s in range(2):
                     tag = f"{p}_{i}_{s}"
@@ -162,12 +175,14 @@ class Stride:
                         stage[-1] += (var("F" + tag, 2, -inf, inf, 100.0),)
                 for s in range(2):
                     q, w, b, u = stage[s][:4]
-                    con(q - qs - sum(A[s, j] * stage[j][1] for j in range(2)))
-                    con(w - ws - sum(A[s, j] * stage[j][2] for j in range(2)))
+                    con(q - qs - n * length * sum(A[s, j] * stage[j][1] for j in range(2)))
+                    con(w - ws - n * length * sum(A[s, j] * stage[j][2] for j in range(2)))
                     forces = list(stage[s][4:])
-                    rows, inequal, heights, _ = functions[STANCE[p]](q, w, b, u, h, *forces, par)
+                    rows, inequal, heights, _, sinking = functions[STANCE[p]](q, w, b, u, h, *forces, par)
                     con(rows)
                     con(inequal, 0, inf)
+                    if begin + (1 / 3, 1.0)[s] * length > STRIKE:
+                        con(sinking, 0, inf)
                     end = i == n - 1 and s == 1
                     # The leg whose foot touches or leaves the ground at the end of this phase.
                     event = [0, 1, 1, 0][p] if end else None
@@ -185,7 +200,7 @@ class Stride:
                     con(w[3:7] - rate_limit * h, -inf, 0)
                     con(w[3:7] + rate_limit * h, 0, inf)
                     joint = w[3:7] / h
-                    cost += share[p] / n * B[s] * (ca.sumsqr(u) / LIMIT**2 + RATE_WEIGHT * ca.sumsqr(joint))
+                    cost += share[p] * length * B[s] * (ca.sumsqr(u) / LIMIT**2 + RATE_WEIGHT * ca.sumsqr(joint))
                     self.points.append((p, i, s))
                 qs, ws = stage[1][0], stage[1][1]
             last = (qs, ws)
@@ -260,9 +275,12 @@ class Stride:
             put(f"w0_{p}", other.get(x, f"w0_{p}") * n / m)
             for i in range(m):
                 for s, c in enumerate((1 / 3, 1.0)):
-                    passed = (i + c) / m * n
-                    j = min(int(max(passed - 1e-9, 0.0)), n - 1)
-                    part = passed - j
+                    here = [passed(k / m, self.graded[p]) for k in (i, i + 1)]
+                    ends = [passed(k / n, other.graded[p]) for k in range(n + 1)]
+                    now = here[0] + c * (here[1] - here[0])
+                    j = next((k for k in range(n - 1) if now < ends[k + 1] + 1e-12), n - 1)
+                    part = (now - ends[j]) / (ends[j + 1] - ends[j])
+                    relative = n * (ends[j + 1] - ends[j])
                     before = f"{p}_{j - 1}_1" if j else f"{p - 1}_{other.intervals[p - 1] - 1}_1"
                     q0 = other.get(x, "q" + before) if p or j else other.get(x, "q0")
                     w0 = other.get(x, "w" + before) if j else other.get(x, f"w0_{p}")
@@ -271,8 +289,8 @@ class Stride:
                     line = {kind: at[kind][0] + (part - 1 / 3) * slope[kind] for kind in "wbu"}
                     area = {kind: (at[kind][0] - slope[kind] / 3) * part + slope[kind] * part**2 / 2 for kind in "wb"}
                     tag = f"{p}_{i}_{s}"
-                    put("q" + tag, q0 + area["w"])
-                    put("w" + tag, (w0 + area["b"]) * n / m)
+                    put("q" + tag, q0 + relative * area["w"])
+                    put("w" + tag, (w0 + relative * area["b"]) * n / m)
                     put("b" + tag, line["b"] * (n / m) ** 2)
                     put("u" + tag, line["u"])
         return y
@@ -312,7 +330,8 @@ class Stride:
             put(f"w0_{p}", h * state(start[p])[1])
             for i in range(self.intervals[p]):
                 for s, c in enumerate((1 / 3, 1.0)):
-                    q, v = state(start[p] + (i + c) * h)
+                    begin, end_of = (passed(k / self.intervals[p], self.graded[p]) for k in (i, i + 1))
+                    q, v = state(start[p] + T[p] * (begin + c * (end_of - begin)))
                     put(f"q{p}_{i}_{s}", q)
                     put(f"w{p}_{i}_{s}", h * v)
                     if self.rigid and STANCE[p] is not None:

@@ -39,6 +39,7 @@ fn rows(material: &str) -> Vec<Row> {
         length: noise.correlation_m,
         smoothing: 0.0,
         plate_ratio: 1.0,
+        plate_smoothing: 0.0,
         scatter: noise.scatter,
     };
     let campaign = campaign::open(&folder.join(format!("brush-2x2-{material}"))).unwrap();

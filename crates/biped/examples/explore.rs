@@ -30,6 +30,8 @@ const STEPS: usize = 40;
 /// Quadratic subproblems that a solve may take. They take most of the time, and of the starts that ended at a certificate within them
 /// half needed four or fewer; those that lead nowhere ask for one a step or more.
 const SUBPROBLEMS: usize = 12;
+/// The same for the strides of the file, which may be those of another mesh or of other limits.
+const OPENING: (usize, usize) = (200, 80);
 /// Starts that should find a stride.
 const STARTS: usize = 3;
 /// Starts tried at one problem before the next one has its turn.
@@ -58,7 +60,13 @@ fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
         max_subproblems: SUBPROBLEMS,
         ..Options::default()
     };
-    let mut book = open(&path, &options)?;
+    let (max_iterations, max_subproblems) = OPENING;
+    let opening = Options {
+        max_iterations,
+        max_subproblems,
+        ..options.clone()
+    };
+    let mut book = open(&path, &opening)?;
     write(&book, &path)?;
     report(&book, "starts", clock);
     let wanted = std::env::args().nth(3);

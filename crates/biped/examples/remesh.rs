@@ -1,7 +1,7 @@
 //! Reads strides of a file on another mesh, as starts there.
 //!
-//! `cargo run --release -p biped --example remesh -- FILE STANCE/FLIGHT NEW_STANCE/NEW_FLIGHT OUT`; FILE as data/strides.json. Strides whose length
-//! is that of another mesh are left out.
+//! `cargo run --release -p biped --example remesh -- FILE STANCE/FLIGHT NEW_STANCE/NEW_FLIGHT OUT`; FILE as data/strides.json; a mesh as 28/8
+//! (even intervals) or 28/8graded (short where the foot strikes). Strides whose length is that of another mesh are left out.
 
 use biped::gait::file::{NamedStart, StridesFile};
 use biped::gait::layout::Layout;
@@ -16,9 +16,15 @@ fn mesh(text: &str) -> Result<Mesh, Box<dyn Error>> {
     let (stance, flight) = text
         .split_once('/')
         .ok_or("a mesh is written STANCE/FLIGHT")?;
-    Ok(Mesh {
-        stance: stance.parse()?,
-        flight: flight.parse()?,
+    let (graded, flight) = match flight.strip_suffix("graded") {
+        Some(flight) => (true, flight),
+        None => (false, flight),
+    };
+    let (stance, flight) = (stance.parse()?, flight.parse()?);
+    Ok(if graded {
+        Mesh::for_strikes(stance, flight)
+    } else {
+        Mesh::even(stance, flight)
     })
 }
 

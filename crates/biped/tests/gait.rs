@@ -407,10 +407,7 @@ fn a_finer_mesh_holds_the_same_stride_and_takes_its_error_away() {
         20.0,
     );
     let coarse = solved(problem, shipped("rigid", "asymmetric", 0.01, 20.0));
-    let mesh = Mesh {
-        stance: 2 * problem.mesh.stance,
-        flight: 2 * problem.mesh.flight,
-    };
+    let mesh = problem.mesh.times(2);
     let finer = Problem { mesh, ..problem };
     let x = on_mesh(&problem, &coarse.x, mesh);
     // Read there and back again, a stride is what it was, up to what the method leaves open between its points.

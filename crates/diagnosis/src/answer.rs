@@ -50,6 +50,8 @@ pub struct NoiseFloor {
     pub roughness_smoothing: f64,
     /// Correlation length of the roughness fixed to the plate over that of the private one.
     pub roughness_plate_ratio: f64,
+    /// The smoothing of the roughness fixed to the plate where it has one of its own; 0: as the private one.
+    pub roughness_plate_smoothing: f64,
     /// Scatter between runs, relative.
     pub scatter: f64,
     /// What could not be estimated and why; empty where all could.

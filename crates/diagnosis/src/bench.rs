@@ -357,6 +357,7 @@ impl<'a> Bench<'a> {
             length: ((hi - lo) / 150.0).max(1e-9),
             smoothing: 0.0,
             plate_ratio: 1.0,
+            plate_smoothing: 0.0,
             scatter: 0.01,
         }
     }
@@ -489,6 +490,7 @@ impl<'a> Bench<'a> {
     ) -> Sizes {
         let search = Search::Again(Sizes {
             plate_ratio: 1.0,
+            plate_smoothing: 0.0,
             ..sizes
         });
         self.noise_with(subset, fitted, jacobian, within, (search, false))

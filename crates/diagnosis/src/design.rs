@@ -83,6 +83,7 @@ pub fn design(campaign: &Campaign, options: &Options) -> Result<Design, Diagnosi
         length: (hi - lo) / 200.0,
         smoothing: 0.0,
         plate_ratio: 1.0,
+        plate_smoothing: 0.0,
         scatter: NOMINAL_SCATTER,
     };
     let subset = Subset::all(&bench);
@@ -148,6 +149,7 @@ pub fn design(campaign: &Campaign, options: &Options) -> Result<Design, Diagnosi
             roughness_length: sizes.length,
             roughness_smoothing: sizes.smoothing,
             roughness_plate_ratio: sizes.plate_ratio,
+            roughness_plate_smoothing: sizes.plate_smoothing,
             scatter: sizes.scatter,
             caveats: vec!["nothing of the forces was read: noise and friction are nominal".into()],
         },

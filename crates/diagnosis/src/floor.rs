@@ -144,6 +144,7 @@ pub(crate) fn noise_floor(
         roughness_length: sizes.length,
         roughness_smoothing: sizes.smoothing,
         roughness_plate_ratio: sizes.plate_ratio,
+        roughness_plate_smoothing: sizes.plate_smoothing,
         scatter: sizes.scatter,
         caveats,
     }

@@ -213,6 +213,7 @@ impl Task<'_> {
                 length: self.experiment.scales.travel_m,
                 smoothing: 0.0,
                 plate_ratio: 1.0,
+                plate_smoothing: 0.0,
                 scatter: 0.0,
             },
             log_sd: Vec::new(),

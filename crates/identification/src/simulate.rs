@@ -70,6 +70,7 @@ mod tests {
                 length: 1.0,
                 smoothing,
                 plate_ratio: 1.0,
+                plate_smoothing: 0.0,
                 scatter: 0.0,
             };
             let mut generator = ChaCha8Rng::seed_from_u64(3);

@@ -209,6 +209,7 @@ fn a_prediction_band_holds_its_share_of_new_campaigns() {
             length: 2e-3,
             smoothing: 0.0,
             plate_ratio: 1.0,
+            plate_smoothing: 0.0,
             scatter: 0.006,
         },
     };

@@ -111,6 +111,7 @@ impl Oracle {
             length: noise.correlation_m,
             smoothing: 0.0,
             plate_ratio: 1.0,
+            plate_smoothing: 0.0,
             scatter: 0.0,
         };
         let whitener = Whitener::new(&context, &sizes);

@@ -209,20 +209,14 @@ impl Name {
     fn mesh(&self) -> Mesh {
         let own = match self.kind {
             Kind::Rigid => Mesh::default(),
-            Kind::Compliant => Mesh {
-                stance: 28,
-                flight: 8,
-            },
+            Kind::Compliant => Mesh::for_strikes(28, 8),
         };
         let halved = if self.choice == Choice::FineMesh {
             2
         } else {
             1
         };
-        Mesh {
-            stance: halved * own.stance,
-            flight: halved * own.flight,
-        }
+        own.times(halved)
     }
 
     /// The contact of this name.

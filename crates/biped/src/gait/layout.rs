@@ -1,11 +1,11 @@
 //! Where each quantity of a stride stands in the vector of variables.
 //!
-//! Durations are free. With h = T_p/N_p the length of an interval of phase p, the variables are
+//! Durations are free. With h = T_p/N_p the mean length of the intervals of phase p, the variables are
 //! scaled by time, w = h v and b = h^2 a, so that every defect of the collocation is linear:
 //!
-//! q_i = q_0 + sum_j A_ij w_j,   w_i = w_0 + sum_j A_ij b_j,
+//! q_i = q_0 + r sum_j A_ij w_j,   w_i = w_0 + r sum_j A_ij b_j,
 //!
-//! and h appears only inside the points and where phases meet.
+//! with r the interval's length over the mean one, and h appears only inside the points and where phases meet.
 
 use super::{Contact, Mesh, PHASES, Problem, STANDING, Touchdown};
 use crate::kinematics::{COORDINATES, JOINTS};

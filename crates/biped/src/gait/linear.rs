@@ -19,7 +19,8 @@ pub(super) fn rows(problem: &Problem, layout: &Layout) -> Vec<LinearRow> {
     let mut rows = Vec::new();
     for place in layout.places() {
         let interval = IntervalScale::of(problem.mesh, place.phase);
-        defects(layout, place, interval, &mut rows);
+        let relative = problem.mesh.relative_length(place.phase, place.interval);
+        defects(layout, place, interval, relative, &mut rows);
         joint_rates(problem, layout, place, &mut rows);
         if let Some(force) = layout.force(place) {
             cone(problem, force, scale::FORCE_N, &mut rows);
@@ -60,8 +61,14 @@ pub(super) fn rows(problem: &Problem, layout: &Layout) -> Vec<LinearRow> {
     rows
 }
 
-/// q_i - q_0 - sum_j A_ij w_j = 0 and w_i - w_0 - sum_j A_ij b_j = 0.
-fn defects(layout: &Layout, place: Place, interval: IntervalScale, rows: &mut Vec<LinearRow>) {
+/// q_i - q_0 - r sum_j A_ij w_j = 0 and w_i - w_0 - r sum_j A_ij b_j = 0, r the interval's relative length.
+fn defects(
+    layout: &Layout,
+    place: Place,
+    interval: IntervalScale,
+    relative: f64,
+    rows: &mut Vec<LinearRow>,
+) {
     let stages = (0..STAGES).map(|stage| Place { stage, ..place });
     for k in 0..COORDINATES {
         let mut position = vec![
@@ -79,8 +86,8 @@ fn defects(layout: &Layout, place: Place, interval: IntervalScale, rows: &mut Ve
             ),
         ];
         for (other, weight) in stages.clone().zip(Problem::RADAU_A[place.stage]) {
-            position.push((layout.w(other) + k, -weight));
-            velocity.push((layout.b(other) + k, -weight));
+            position.push((layout.w(other) + k, -relative * weight));
+            velocity.push((layout.b(other) + k, -relative * weight));
         }
         let name = |what: &str| {
             format!(

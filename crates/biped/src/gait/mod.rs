@@ -15,6 +15,7 @@ pub mod file;
 pub mod hopping;
 pub mod layout;
 mod linear;
+pub mod mesh;
 pub mod motion;
 pub mod passage;
 mod point;
@@ -26,6 +27,7 @@ mod variables;
 use crate::contact::{Brush, Ground};
 use crate::kinematics::Leg;
 use crate::parameters::Biped;
+pub use mesh::Mesh;
 use serde::{Deserialize, Serialize};
 
 /// Number of phases of a stride.
@@ -91,8 +93,7 @@ pub struct Limits {
     pub stance_s: f64,
     /// Shortest flight, s.
     pub flight_s: f64,
-    /// Longest stance, s. On a fixed mesh a long stance is one that the collocation does not resolve: with intervals as
-    /// long as a strike of the foot (some 3 ms) the optimiser hides strikes between the points.
+    /// Longest stance, s.
     pub longest_stance_s: f64,
     /// Longest flight, s.
     pub longest_flight_s: f64,
@@ -100,6 +101,11 @@ pub struct Limits {
     pub knee_height_m: f64,
     /// Deepest that a compliant foot may sink in, m.
     pub foot_depth_m: f64,
+    /// Largest loss factor 1 - 3/2 c v_y of a compliant foot once the first fifth of its stance has passed ([`Self::STRIKE`]); 2: it sinks in
+    /// no faster than it may be drawn out, 2/(3c). A foot that is drawn out until it bears nothing and strikes again makes another stance of the
+    /// second half, and does so where the mesh is not fine enough for strikes: between points of the collocation such a strike may give more
+    /// than it takes.
+    pub late_loss_factor: f64,
 }
 
 impl Default for Limits {
@@ -117,37 +123,14 @@ impl Default for Limits {
             longest_flight_s: 0.1,
             knee_height_m: 0.02,
             foot_depth_m: 0.05,
+            late_loss_factor: 2.0,
         }
     }
 }
 
-/// Collocation intervals of a stance and of a flight.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Mesh {
-    /// Intervals of a stance.
-    pub stance: usize,
-    /// Intervals of a flight.
-    pub flight: usize,
-}
-
-impl Default for Mesh {
-    fn default() -> Self {
-        Self {
-            stance: 8,
-            flight: 5,
-        }
-    }
-}
-
-impl Mesh {
-    /// Intervals of a phase.
-    pub fn intervals(&self, phase: usize) -> usize {
-        if STANDING[phase].is_some() {
-            self.stance
-        } else {
-            self.flight
-        }
-    }
+impl Limits {
+    /// Part of a stance's time within which the foot may strike.
+    pub const STRIKE: f64 = 0.2;
 }
 
 /// One gait problem.

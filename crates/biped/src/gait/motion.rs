@@ -201,9 +201,9 @@ impl Motion {
             } else {
                 free.1
             };
-            let h = self.durations_s[phase] / problem.mesh.intervals(phase) as f64;
-            for pair in samples.chunks(Problem::RADAU_C.len()) {
+            for (interval, pair) in samples.chunks(Problem::RADAU_C.len()).enumerate() {
                 let [.., last] = pair else { continue };
+                let h = self.durations_s[phase] * problem.mesh.length(phase, interval);
                 let reached = integrate(problem, phase, pair, h, steps, begin);
                 free = integrate(problem, phase, pair, h, steps, free);
                 worst.gap_m_rad = worst.gap_m_rad.max(distance(&reached.0, &last.q));
@@ -310,6 +310,7 @@ fn sample(problem: &Problem, layout: &Layout, x: &[f64], place: Place) -> Sample
     let phase = place.phase;
     let duration = x[layout.duration(phase)];
     let h = duration / problem.mesh.intervals(phase) as f64;
+    let length = duration * problem.mesh.length(phase, place.interval);
     let before: f64 = (0..phase).map(|p| x[layout.duration(p)]).sum();
     let q = seven(x, layout.q(place));
     let w = seven(x, layout.w(place));
@@ -327,8 +328,9 @@ fn sample(problem: &Problem, layout: &Layout, x: &[f64], place: Place) -> Sample
     });
     Sample {
         phase,
-        time_s: before + h * (place.interval as f64 + Problem::RADAU_C[place.stage]),
-        weight_s: h * Problem::RADAU_B[place.stage],
+        time_s: before + duration * problem.mesh.begin(phase, place.interval)
+            + length * Problem::RADAU_C[place.stage],
+        weight_s: length * Problem::RADAU_B[place.stage],
         q,
         v: w.map(|w| w / h),
         torques_n_m: torques,

@@ -73,6 +73,7 @@ impl Limits {
             hip_rad: [line(|l| l.hip_rad[0]), line(|l| l.hip_rad[1])],
             knee_rad: [line(|l| l.knee_rad[0]), line(|l| l.knee_rad[1])],
             pitch_rad: line(|l| l.pitch_rad),
+            late_loss_factor: line(|l| l.late_loss_factor),
             joint_rate_rad_s: line(|l| l.joint_rate_rad_s),
             stance_s: line(|l| l.stance_s),
             flight_s: line(|l| l.flight_s),

@@ -130,8 +130,11 @@ impl Stride {
                     if self.problem.is_rigid() {
                         rows.extend([Row::equal(interval.w()); 2]);
                     } else {
-                        // The contact only pushes.
+                        // The contact only pushes, and strikes at the beginning only.
                         rows.push(Row::at_least(interval.length_s()));
+                        if self.is_past_the_strike(place) {
+                            rows.push(Row::at_least(interval.length_s()));
+                        }
                     }
                 }
                 rows.extend(
@@ -156,6 +159,13 @@ impl Stride {
             }
             Kind::Rest(phase) => vec![Row::equal(interval(phase + 1).w()); 2],
         }
+    }
+
+    /// Whether the strike of a compliant foot has passed ([`super::Limits::late_loss_factor`]).
+    fn is_past_the_strike(&self, place: Place) -> bool {
+        let mesh = &self.problem.mesh;
+        let within = Problem::RADAU_C[place.stage] * mesh.length(place.phase, place.interval);
+        mesh.begin(place.phase, place.interval) + within > super::Limits::STRIKE
     }
 
     /// Limits of a foot's height at a point; none where it follows from the rigid contact.
@@ -210,7 +220,13 @@ impl Stride {
             match problem.contact {
                 Contact::Rigid(_) => speed.into_iter().for_each(&mut put),
                 // Loss factor times h: h - 1.5 c (h v_y).
-                Contact::Compliant(ground) => put(h - speed[1] * (1.5 * ground.loss_s_m)),
+                Contact::Compliant(ground) => {
+                    let factor = h - speed[1] * (1.5 * ground.loss_s_m);
+                    put(factor);
+                    if self.is_past_the_strike(place) {
+                        put(h * problem.limits.late_loss_factor - factor);
+                    }
+                }
             }
         }
         let points = Leg::BOTH.map(|leg| leg_points(&problem.biped, &q, leg));
@@ -221,8 +237,9 @@ impl Stride {
         }
         points.iter().for_each(|points| put(points.knee[1]));
 
-        // Mean over the period: sum_p f_p/N_p sum_i b_i (|tau|^2/tau_max^2 + eps |joint rates|^2).
-        let weight = Problem::RADAU_B[place.stage] / problem.mesh.intervals(place.phase) as f64;
+        // Mean over the period: sum_p f_p sum_i l_i b_i (|tau|^2/tau_max^2 + eps |joint rates|^2), l_i the interval's part of the phase.
+        let length = problem.mesh.length(place.phase, place.interval);
+        let weight = Problem::RADAU_B[place.stage] * length;
         let mut effort = D::from(0.0);
         for k in 0..JOINTS {
             let limit = if k % 2 == 0 {

@@ -3,9 +3,9 @@
 //! With τ in (0, 1] the part of an interval that has passed, rates w and accelerations b of the interval are the lines
 //! through their two stages, and by the method's definition
 //!
-//! q(τ) = q_0 + ∫ w,   w(τ) = w_0 + ∫ b   from 0 to τ,
+//! q(τ) = q_0 + r ∫ w,   w(τ) = w_0 + r ∫ b   from 0 to τ,
 //!
-//! Each is the method's own, but between the points q' is the line and w the parabola, so the stride read on a finer mesh
+//! r the interval's length over the mean one of its phase. Each is the method's own, but between the points q' is the line and w the parabola, so the stride read on a finer mesh
 //! misses the defects there by as much as the coarse one was wrong: a start, not a solution.
 
 use super::layout::{Layout, Place};
@@ -23,14 +23,6 @@ fn integral(first: f64, second: f64, part: f64) -> f64 {
     let [c1, c2] = Problem::RADAU_C;
     let slope = (second - first) / (c2 - c1);
     (first - c1 * slope) * part + 0.5 * slope * part * part
-}
-
-/// Where in the old mesh a point of the new one lies: interval and part of it, in (0, 1].
-fn locate(intervals: usize, passed: f64) -> (usize, f64) {
-    let scaled = passed * intervals as f64;
-    // Rounding must not put the end of an interval into the next one, where a line would be extrapolated.
-    let interval = ((scaled - 1e-9).floor().max(0.0) as usize).min(intervals - 1);
-    (interval, scaled - interval as f64)
 }
 
 /// The variables `x` of a stride of `problem`, read on another mesh.
@@ -53,14 +45,15 @@ pub fn on_mesh(problem: &Problem, x: &[f64], mesh: Mesh) -> Vec<f64> {
             .for_each(|w| *w *= ratio);
         for place in new.places().into_iter().filter(|p| p.phase == phase) {
             let c = Problem::RADAU_C[place.stage];
-            let passed = (place.interval as f64 + c) / mesh.intervals(phase) as f64;
-            let (interval, part) = locate(intervals, passed);
+            let passed = mesh.begin(phase, place.interval) + c * mesh.length(phase, place.interval);
+            let (interval, part) = problem.mesh.locate(phase, passed);
             let old = Old {
                 layout: &old,
                 x,
                 phase,
                 interval,
                 part,
+                relative: problem.mesh.relative_length(phase, interval),
             };
             old.read(&new, place, ratio, &mut y);
         }
@@ -75,6 +68,8 @@ struct Old<'a> {
     phase: usize,
     interval: usize,
     part: f64,
+    /// Length of the interval over the mean one.
+    relative: f64,
 }
 
 impl Old<'_> {
@@ -92,14 +87,14 @@ impl Old<'_> {
 
     /// Writes this moment to a place of the new stride, rates and accelerations in its intervals.
     fn read(&self, new: &Layout, place: Place, ratio: f64, y: &mut [f64]) {
-        let (old, part) = (self.layout, self.part);
+        let (old, part, r) = (self.layout, self.part, self.relative);
         let q0 = old.interval_start_q(self.phase, self.interval);
         let w0 = old.interval_start_w(self.phase, self.interval);
         for k in 0..COORDINATES {
             let [w1, w2] = self.stages(|p| old.w(p), k);
             let [b1, b2] = self.stages(|p| old.b(p), k);
-            y[new.q(place) + k] = self.x[q0 + k] + integral(w1, w2, part);
-            y[new.w(place) + k] = ratio * (self.x[w0 + k] + integral(b1, b2, part));
+            y[new.q(place) + k] = self.x[q0 + k] + r * integral(w1, w2, part);
+            y[new.w(place) + k] = ratio * (self.x[w0 + k] + r * integral(b1, b2, part));
             y[new.b(place) + k] = ratio * ratio * line(b1, b2, part);
         }
         for k in 0..JOINTS {

@@ -155,7 +155,9 @@ impl Guess {
                 .filter(|place| place.phase == phase)
             {
                 let c = Problem::RADAU_C[place.stage];
-                let at = state(start_s + (place.interval as f64 + c) * h);
+                let passed = problem.mesh.begin(phase, place.interval)
+                    + c * problem.mesh.length(phase, place.interval);
+                let at = state(start_s + passed * duration);
                 put(layout.q(place), &at.map(|c| c.re));
                 put(layout.w(place), &at.map(|c| h * c.v1));
                 put(layout.b(place), &at.map(|c| h * h * c.v2));

@@ -41,6 +41,8 @@ pub struct Sizes {
     pub smoothing: f64,
     /// Correlation length of the plate's roughness over that of the private one; 1 unless the record says otherwise.
     pub plate_ratio: f64,
+    /// The smoothing of the plate's roughness where it has one of its own; 0: as the private one.
+    pub plate_smoothing: f64,
     /// Relative standard deviation of the gain of a run.
     pub scatter: f64,
 }

@@ -134,6 +134,13 @@ pub fn estimate(
             (frame, minimum) = (best.frame, best.minimum);
         }
     }
+    if options.smooth && plate_separable && context.rows.is_empty() {
+        let thorough = options.search.is_thorough();
+        if let Some(still) = frame.smoother_plate(&criterion, &minimum, thorough, &mut evaluations)
+        {
+            minimum = still;
+        }
+    }
     let spacing = frame.sizes(&minimum.point).node_spacing();
     let log_sd = if options.uncertainty {
         search::standard_deviations(
@@ -193,9 +200,11 @@ pub(super) const PRIVATE: usize = 1;
 pub(super) const PLATE: usize = 2;
 pub(super) const LENGTH: usize = 3;
 pub(super) const MORE: usize = 4;
+/// The smoothing of the plate's roughness where it is a number of its own.
+pub(super) const SMOOTHER_PLATE: usize = 5;
 
-/// What the further coordinate is. Roughness is smoother than exponential, or that of the plate has a length of its own; what both at once
-/// would be has not been seen.
+/// What the further coordinate is. Roughness is smoother than exponential, that of the plate perhaps still smoother, or that of the plate has
+/// a length of its own; what smoothing and a second length at once would be has not been seen.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum More {
     Smoothing,
@@ -274,6 +283,7 @@ impl Frame {
             ((relative * 1e-4).ln(), (relative * 6.0).ln()),
             (lengths.0.ln(), lengths.1.ln()),
             (0.0, 0.0),
+            (SMOOTHINGS.0.ln(), SMOOTHINGS.1.ln()),
         ];
         let own_length = options.search.start().map_or(1.0, |s| s.plate_ratio) != 1.0;
         Self {
@@ -303,6 +313,11 @@ impl Frame {
             More::PlateRatio => (-MOST_RATIO.ln(), MOST_RATIO.ln()),
         };
         self
+    }
+
+    /// Whether a point has one smoothing for both roughnesses.
+    pub(super) fn is_smooth(&self, point: &[f64]) -> bool {
+        self.more == More::Smoothing && point.len() == SMOOTHER_PLATE
     }
 
     /// The same with longer roughness, where the record allows for it and `found` lies on the bound.
@@ -338,6 +353,7 @@ impl Frame {
             length,
             smoothing: more(More::Smoothing).map_or(0.0, |s| s.exp()),
             plate_ratio: ratio.min(longest),
+            plate_smoothing: x.get(SMOOTHER_PLATE).map_or(0.0, |s| s.exp()),
             scatter: 0.0,
         }
     }
@@ -416,6 +432,9 @@ impl Frame {
                 );
             } else if s.smoothing > 0.0 {
                 start.push(s.smoothing.ln());
+                if s.plate_smoothing > 0.0 {
+                    start.push(s.plate_smoothing.ln());
+                }
             }
             return start;
         }

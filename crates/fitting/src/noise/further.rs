@@ -10,6 +10,9 @@ use super::search::Minimum;
 /// Smoothings that are tried beside exponential roughness, and lengths over which the roughness is alike as shares of the one found
 /// (exponential roughness makes up for what it lacks in smoothness by length).
 const PROBES: [(f64, f64); 4] = [(0.15, 1.0), (0.6, 1.0), (0.6, 0.4), (0.6, 0.15)];
+/// Smoothings of the plate's roughness that are tried beside that of both, and by how much there is more of it then (what was alike had to
+/// be little where the plate is smoother).
+const PLATE_PROBES: [(f64, f64); 3] = [(0.3, 1.0), (0.7, 1.0), (0.7, 1.6)];
 /// Smoothing beyond which a search may have ended because both lengths are nearly one, and what it begins from again.
 const ALIKE: f64 = 0.6;
 const APART: f64 = 0.1;
@@ -17,6 +20,8 @@ const APART: f64 = 0.1;
 const WORTH_APART: f64 = 12.0;
 /// -2 log likelihood that smoothing must save, or the roughness is taken as exponential.
 const WORTH_SMOOTHING: f64 = 2.0;
+/// The same where the plate has a smoothing of its own.
+const WORTH_SMOOTHER_PLATE: f64 = 6.0;
 
 /// Ratios of the two lengths that are tried beside one, and the power of them by which the private length moves.
 const RATIOS: [(f64, f64); 4] = [(0.4, 0.0), (0.4, -0.5), (2.5, 0.0), (2.5, -0.5)];
@@ -97,6 +102,48 @@ impl Frame {
             minimum: found,
             saved: as_fine - own,
         })
+    }
+
+    /// Beside roughness that is smoother than exponential a smoothing of its own for that of the plate, where it is likelier: a plate that is
+    /// known at the places of a grid only, or that was ground.
+    pub(super) fn smoother_plate(
+        &self,
+        criterion: &Criterion<'_>,
+        alike: &Minimum,
+        thorough: bool,
+        evaluations: &mut usize,
+    ) -> Option<Minimum> {
+        if !self.is_smooth(&alike.point) {
+            return None;
+        }
+        let on_grid = |point: &[f64], spacing| criterion.value(&self.sizes(point), spacing);
+        let probe = |&(smoothing, more): &(f64, f64)| {
+            let mut point = alike.point.clone();
+            point[PLATE] += more.ln();
+            point.push(smoothing.ln());
+            let spacing = self.sizes(&point).node_spacing();
+            let beyond = on_grid(&point, spacing) - on_grid(&alike.point, spacing);
+            (beyond, point)
+        };
+        let probed: Vec<(f64, Vec<f64>)> = PLATE_PROBES.par_iter().map(probe).collect();
+        *evaluations += 2 * PLATE_PROBES.len();
+        let (_, start) = (probed.into_iter())
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .filter(|(beyond, _)| thorough || *beyond < 0.0)?;
+        let coarse = COARSE * self.sizes(&start).node_spacing();
+        let near = self.near(criterion, &start, coarse);
+        *evaluations += near.evaluations + 1;
+        if near.value > on_grid(&alike.point, coarse) - 0.5 * WORTH_SMOOTHER_PLATE {
+            return None;
+        }
+        let again = Search::Again(self.sizes(&near.point));
+        let found = self.search(criterion, near.point, again, evaluations);
+        let spacing = self.sizes(&found.point).node_spacing();
+        // Both with sizes of their own on one grid.
+        let as_alike = self.near(criterion, &alike.point, spacing);
+        *evaluations += as_alike.evaluations + 1;
+        let worth = as_alike.value - on_grid(&found.point, spacing) > WORTH_SMOOTHER_PLATE;
+        worth.then_some(found)
     }
 
     /// Where both lengths l and rho l have come to be nearly one: the likelier of that point and of what a search from lengths apart finds on

@@ -35,7 +35,11 @@ impl Roughness {
     pub fn of_plate(sizes: &Sizes) -> Self {
         Self {
             length: sizes.plate_length(),
-            share: sizes.smoothing,
+            share: if sizes.plate_smoothing > 0.0 {
+                sizes.plate_smoothing
+            } else {
+                sizes.smoothing
+            },
         }
     }
 

@@ -48,8 +48,8 @@ fn dense(context: &Context, sizes: &Sizes) -> DMatrix<f64> {
     }
     DMatrix::from_fn(n, n, |i, j| {
         // (N7), written out once more.
-        let near = |a: f64, b: f64, length: f64| {
-            let (far, share) = ((a - b).abs() / length, sizes.smoothing);
+        let near = |a: f64, b: f64, length: f64, share: f64| {
+            let far = (a - b).abs() / length;
             if share == 0.0 {
                 (-far).exp()
             } else {
@@ -58,10 +58,15 @@ fn dense(context: &Context, sizes: &Sizes) -> DMatrix<f64> {
         };
         let (x, s) = (&context.place, &context.sliding);
         let own = sizes.length * sizes.plate_ratio;
-        let mut relative = sizes.plate.powi(2) * near(x[i], x[j], own);
+        let of_plate = if sizes.plate_smoothing > 0.0 {
+            sizes.plate_smoothing
+        } else {
+            sizes.smoothing
+        };
+        let mut relative = sizes.plate.powi(2) * near(x[i], x[j], own, of_plate);
         if owner[i] == owner[j] {
-            relative +=
-                sizes.private.powi(2) * near(s[i], s[j], sizes.length) + sizes.scatter.powi(2);
+            let private = near(s[i], s[j], sizes.length, sizes.smoothing);
+            relative += sizes.private.powi(2) * private + sizes.scatter.powi(2);
         }
         let white = if i == j { sizes.sensor.powi(2) } else { 0.0 };
         context.scale[i] * context.scale[j] * relative + white
@@ -75,6 +80,7 @@ const SIZES: Sizes = Sizes {
     length: 1.5e-3,
     smoothing: 0.0,
     plate_ratio: 1.0,
+    plate_smoothing: 0.0,
     scatter: 0.01,
 };
 
@@ -97,5 +103,12 @@ const SMOOTH: Sizes = Sizes {
 const APART: Sizes = Sizes {
     length: 0.5e-3,
     plate_ratio: 4.0,
+    ..SIZES
+};
+
+/// Roughness that is smooth, that of the plate still more so.
+const SMOOTH_PLATE: Sizes = Sizes {
+    smoothing: 0.15,
+    plate_smoothing: 0.7,
     ..SIZES
 };

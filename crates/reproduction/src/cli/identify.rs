@@ -219,7 +219,7 @@ fn answer(found: &Identification, laws: &[LawFit], word: &[String]) -> serde_jso
         "floor_rmse": found.quality.floor_rmse,
         "lack_of_fit_p": found.quality.lack_of_fit.as_ref().map(|test| test.p_value),
         "noise": {"sensor": sizes.sensor, "roughness_private": sizes.private, "roughness_plate": sizes.plate,
-            "correlation_length": sizes.length, "smoothing": sizes.smoothing, "plate_ratio": sizes.plate_ratio, "scatter": sizes.scatter},
+            "correlation_length": sizes.length, "smoothing": sizes.smoothing, "plate_ratio": sizes.plate_ratio, "plate_smoothing": sizes.plate_smoothing, "scatter": sizes.scatter},
         "log_likelihood": found.log_likelihood,
         "aicc": found.aicc,
         "laws": laws,

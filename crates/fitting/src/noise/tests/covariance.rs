@@ -198,7 +198,7 @@ fn filtered_plate_field_agrees_with_the_dense_covariance() {
 #[test]
 fn plate_field_agrees_with_the_dense_covariance() {
     let context = ramps(120, 2);
-    for sizes in [SIZES, SMOOTH, APART] {
+    for sizes in [SIZES, SMOOTH, APART, SMOOTH_PLATE] {
         let factor = Cholesky::new(dense(&context, &sizes)).expect("a covariance");
         let whitener = Whitener::new(&context, &sizes);
         let waves = DMatrix::from_fn(context.samples(), 3, |i, c| {
@@ -220,7 +220,7 @@ fn plate_field_agrees_with_the_dense_covariance() {
 /// The two linear-time paths (rotations; banded information matrix) are the same covariance.
 #[test]
 fn rotations_and_information_agree() {
-    for sizes in [SIZES, SMOOTH, APART] {
+    for sizes in [SIZES, SMOOTH, APART, SMOOTH_PLATE] {
         agree(&Sizes {
             scatter: 0.0,
             ..sizes

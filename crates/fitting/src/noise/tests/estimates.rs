@@ -89,6 +89,31 @@ fn a_length_of_the_plates_own_is_told_from_one_for_both() {
     );
 }
 
+/// A plate that is smoother than the runs' own roughness is told from one where both are alike, and its roughness is not taken for less.
+#[test]
+fn a_plate_smoother_than_the_runs_is_told_from_one_that_is_alike() {
+    let context = ramps(300, 3);
+    let none = DMatrix::zeros(context.samples(), 0);
+    let mean = DMatrix::from_column_slice(context.samples(), 1, &context.scale);
+    let options = EstimateOptions {
+        repeats: true,
+        smooth: true,
+        ..EstimateOptions::default()
+    };
+    let estimates = |sizes: &Sizes| -> Vec<Sizes> {
+        let draws = (0..8).map(|seed| draw(&context, sizes, 160 + seed));
+        draws
+            .map(|r| estimate(&context, &r, &mean, &none, &options).sizes)
+            .collect()
+    };
+    let (alike, apart) = (estimates(&SMOOTH), estimates(&SMOOTH_PLATE));
+    let own = |all: &[Sizes]| all.iter().filter(|s| s.plate_smoothing > 0.0).count();
+    assert!(own(&alike) <= 1, "{alike:?}");
+    assert!(own(&apart) >= 5, "{apart:?}");
+    let plate = apart.iter().map(|s| s.plate.ln()).sum::<f64>() / 8.0;
+    assert!((plate - SMOOTH_PLATE.plate.ln()).abs() < 0.25, "{apart:?}");
+}
+
 /// Six runs that go back and forth on a plate of 0.1 m, each over a stretch and with a period of its own.
 fn oscillations(samples: usize) -> Context {
     let mut context = ramps(samples, 3);

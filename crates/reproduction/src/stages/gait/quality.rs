@@ -46,14 +46,26 @@ fn counts(solved: &[Solved], output: &mut StageOutput) {
 
 /// How often the search that made the starts ended in the strides that it kept.
 fn search(solved: &[Solved], output: &mut StageOutput) {
-    let found: Vec<usize> = certified(solved)
-        .filter_map(|s| s.search.map(|search| search.found))
-        .collect();
-    let thrice = found.iter().filter(|&&count| count >= STARTS).count();
-    for (id, number) in [("recorded", found.len()), ("thrice", thrice)] {
-        let id = format!("gait.search.{id}");
-        output.values.push(value(id, number as f64, "1"));
+    for (of, count) in [
+        ("search", counted(solved, &|_| true)),
+        (
+            "mesh.search",
+            counted(solved, &|name| name.choice == Choice::FineMesh),
+        ),
+    ] {
+        for (what, number) in ["recorded", "thrice"].into_iter().zip(count) {
+            let id = format!("gait.{of}.{what}");
+            output.values.push(value(id, number as f64, "1"));
+        }
     }
+}
+
+/// Certified strides of which the search kept a count, and those that enough starts found.
+fn counted(solved: &[Solved], wanted: &dyn Fn(&Name) -> bool) -> [usize; 2] {
+    let own = certified(solved).filter(|s| wanted(&s.name));
+    let found: Vec<usize> = own.filter_map(|s| Some(s.search?.found)).collect();
+    let thrice = found.iter().filter(|&&count| count >= STARTS).count();
+    [found.len(), thrice]
 }
 
 /// Energy over each phase, and each interval integrated again.

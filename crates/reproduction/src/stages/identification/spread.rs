@@ -16,6 +16,7 @@ pub(crate) struct Kept {
     length: f64,
     smoothing: f64,
     plate_ratio: f64,
+    plate_smoothing: f64,
     scatter: f64,
     scatters: Vec<(f64, f64)>,
 }
@@ -38,6 +39,7 @@ impl From<&Spread> for Kept {
             length: sizes.length,
             smoothing: sizes.smoothing,
             plate_ratio: sizes.plate_ratio,
+            plate_smoothing: sizes.plate_smoothing,
             scatter: sizes.scatter,
             scatters: spread.scatters.clone(),
         }
@@ -60,6 +62,7 @@ impl From<Kept> for Spread {
                 length: kept.length,
                 smoothing: kept.smoothing,
                 plate_ratio: kept.plate_ratio,
+                plate_smoothing: kept.plate_smoothing,
                 scatter: kept.scatter,
             },
             scatters: kept.scatters,
@@ -83,6 +86,7 @@ mod tests {
                 length: 4e-3,
                 smoothing: 0.0,
                 plate_ratio: 1.0,
+                plate_smoothing: 0.0,
                 scatter: 5e-3,
             },
             scatters: vec![(0.0, 0.25), (0.1, 0.75)],
