@@ -328,7 +328,8 @@ fn sample(problem: &Problem, layout: &Layout, x: &[f64], place: Place) -> Sample
     });
     Sample {
         phase,
-        time_s: before + duration * problem.mesh.begin(phase, place.interval)
+        time_s: before
+            + duration * problem.mesh.begin(phase, place.interval)
             + length * Problem::RADAU_C[place.stage],
         weight_s: length * Problem::RADAU_B[place.stage],
         q,
