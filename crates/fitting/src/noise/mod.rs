@@ -11,7 +11,7 @@
 //! ```
 //!
 //! with f the friction force that the model predicts. Where [`Sizes::smoothing`] is not zero both covariances are those of a
-//! smoother field (N7); `plate_ratio` is one unless the record says otherwise. Behind a filter of the channel or a resonance the record holds all but e as these show it (N5, N6, N8). The
+//! smoother field (N7), with a smoothing of its own for q where [`Sizes::plate_smoothing`] is not zero; `plate_ratio` is one unless the record says otherwise. Behind a filter of the channel or a resonance the record holds all but e as these show it (N5, N6, N8). The
 //! field q is the same in every run: it repeats, and no law could mend it. All sizes and the length are estimated by restricted maximum likelihood; whitening takes time linear
 //! in the samples: a Kalman filter along each run for u and e, a banded square-root information filter on a grid of
 //! plate nodes for q, a low-rank root for b.
