@@ -343,13 +343,7 @@ impl<'a> Bench<'a> {
     pub(crate) fn first_sizes(&self) -> Sizes {
         let n = self.samples.len() as f64;
         let rms = (self.samples.force.iter().map(|f| f * f).sum::<f64>() / n).sqrt();
-        let (lo, hi) = self
-            .samples
-            .place
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| {
-                (a.min(x), b.max(x))
-            });
+        let (lo, hi) = self.samples.extent();
         Sizes {
             sensor: self.stated_sensor.unwrap_or(0.0).max(3e-3 * rms).max(1e-12),
             private: 0.01,

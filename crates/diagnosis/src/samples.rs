@@ -111,6 +111,14 @@ impl Samples {
         self.time.len()
     }
 
+    /// Lowest and highest stage coordinate.
+    pub(crate) fn extent(&self) -> (f64, f64) {
+        let places = self.place.iter();
+        places.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), &x| {
+            (lo.min(x), hi.max(x))
+        })
+    }
+
     /// +1 in forward motion, -1 in reverse.
     pub(crate) fn heading(&self) -> &[f64] {
         &self.heading

@@ -88,7 +88,7 @@ impl Subset {
     /// Whether the runs take a rotary rig round more than once, so that a disc and a plate without end are two things.
     pub(crate) fn can_turn(&self, bench: &Bench<'_>) -> bool {
         bench.experiment.axis == campaign::Axis::Rotary && {
-            let (lo, hi) = extent(&bench.samples.place);
+            let (lo, hi) = bench.samples.extent();
             hi - lo > TAU
         }
     }
@@ -96,7 +96,7 @@ impl Subset {
     /// Where on the plate a coordinate lies.
     fn on_the_plate(&self, bench: &Bench<'_>, places: &mut [f64]) {
         if self.turns {
-            let origin = extent(&bench.samples.place).0;
+            let origin = bench.samples.extent().0;
             places
                 .iter_mut()
                 .for_each(|x| *x = origin + (*x - origin).rem_euclid(TAU));
@@ -224,14 +224,6 @@ impl Subset {
         self.on_the_plate(bench, &mut samples.place);
         samples
     }
-}
-
-fn extent(places: &[f64]) -> (f64, f64) {
-    places
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), &x| {
-            (lo.min(x), hi.max(x))
-        })
 }
 
 /// The resonance of a run's specimen on its cord beside a fit.

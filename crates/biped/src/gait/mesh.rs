@@ -7,7 +7,8 @@
 //!
 //! so that the first intervals are a fifth as long as even ones and the last 9/5. Halving all intervals keeps every boundary.
 
-use super::STANDING;
+use super::layout::Place;
+use super::{Problem, STANDING};
 use serde::{Deserialize, Serialize};
 
 /// How the intervals of a stance share its time.
@@ -94,6 +95,12 @@ impl Mesh {
             Grading::Strike => self.begin(phase, interval + 1) - self.begin(phase, interval),
             Grading::Even => 1.0 / self.intervals(phase) as f64,
         }
+    }
+
+    /// The part of its phase's time that has passed at a point.
+    pub fn passed(&self, place: Place) -> f64 {
+        let within = Problem::RADAU_C[place.stage] * self.length(place.phase, place.interval);
+        self.begin(place.phase, place.interval) + within
     }
 
     /// Length of an interval over the mean one of its phase.

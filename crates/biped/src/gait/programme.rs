@@ -163,9 +163,7 @@ impl Stride {
 
     /// Whether the strike of a compliant foot has passed ([`super::Limits::late_loss_factor`]).
     fn is_past_the_strike(&self, place: Place) -> bool {
-        let mesh = &self.problem.mesh;
-        let within = Problem::RADAU_C[place.stage] * mesh.length(place.phase, place.interval);
-        mesh.begin(place.phase, place.interval) + within > super::Limits::STRIKE
+        self.problem.mesh.passed(place) > super::Limits::STRIKE
     }
 
     /// Limits of a foot's height at a point; none where it follows from the rigid contact.

@@ -44,9 +44,7 @@ pub fn on_mesh(problem: &Problem, x: &[f64], mesh: Mesh) -> Vec<f64> {
             .iter_mut()
             .for_each(|w| *w *= ratio);
         for place in new.places().into_iter().filter(|p| p.phase == phase) {
-            let c = Problem::RADAU_C[place.stage];
-            let passed = mesh.begin(phase, place.interval) + c * mesh.length(phase, place.interval);
-            let (interval, part) = problem.mesh.locate(phase, passed);
+            let (interval, part) = problem.mesh.locate(phase, mesh.passed(place));
             let old = Old {
                 layout: &old,
                 x,

@@ -154,10 +154,7 @@ impl Guess {
                 .into_iter()
                 .filter(|place| place.phase == phase)
             {
-                let c = Problem::RADAU_C[place.stage];
-                let passed = problem.mesh.begin(phase, place.interval)
-                    + c * problem.mesh.length(phase, place.interval);
-                let at = state(start_s + passed * duration);
+                let at = state(start_s + problem.mesh.passed(place) * duration);
                 put(layout.q(place), &at.map(|c| c.re));
                 put(layout.w(place), &at.map(|c| h * c.v1));
                 put(layout.b(place), &at.map(|c| h * h * c.v2));

@@ -3,10 +3,8 @@
 use super::super::scatter::gain_columns;
 use super::*;
 
-/// Whether roughness is smooth is seen: its share is found, and exponential roughness stays exponential (or nearly so).
-#[test]
-fn smooth_roughness_is_told_from_exponential_roughness() {
-    let context = ramps(240, 3);
+/// What a residual makes of the sizes, where roughness may be smooth or of two lengths.
+fn estimated(context: &Context, residual: &DVector<f64>) -> Sizes {
     let none = DMatrix::zeros(context.samples(), 0);
     let mean = DMatrix::from_column_slice(context.samples(), 1, &context.scale);
     let options = EstimateOptions {
@@ -14,13 +12,20 @@ fn smooth_roughness_is_told_from_exponential_roughness() {
         smooth: true,
         ..EstimateOptions::default()
     };
-    let estimates = |sizes: &Sizes| -> Vec<Sizes> {
-        (0..8)
-            .map(|seed| draw(&context, sizes, 40 + seed))
-            .map(|r| estimate(&context, &r, &mean, &none, &options).sizes)
-            .collect()
-    };
-    let (plain, smooth) = (estimates(&SIZES), estimates(&SMOOTH));
+    estimate(context, residual, &mean, &none, &options).sizes
+}
+
+/// The same of eight fields drawn with known sizes.
+fn estimates(context: &Context, sizes: &Sizes, first_seed: u64) -> Vec<Sizes> {
+    let draws = (0..8).map(|seed| draw(context, sizes, first_seed + seed));
+    draws.map(|r| estimated(context, &r)).collect()
+}
+
+/// Whether roughness is smooth is seen: its share is found, and exponential roughness stays exponential (or nearly so).
+#[test]
+fn smooth_roughness_is_told_from_exponential_roughness() {
+    let context = ramps(240, 3);
+    let [plain, smooth] = [SIZES, SMOOTH].map(|sizes| estimates(&context, &sizes, 40));
     assert!(plain.iter().all(|s| s.smoothing < 0.3), "{plain:?}");
     assert!(smooth.iter().all(|s| s.smoothing > 0.4), "{smooth:?}");
     // The length over which the roughness is alike, l (1 + rho), and its size.
@@ -36,21 +41,10 @@ fn smooth_roughness_is_told_from_exponential_roughness() {
 #[test]
 fn a_length_of_the_plates_own_is_told_from_one_for_both() {
     let context = ramps(240, 3);
-    let none = DMatrix::zeros(context.samples(), 0);
-    let mean = DMatrix::from_column_slice(context.samples(), 1, &context.scale);
-    let options = EstimateOptions {
-        repeats: true,
-        smooth: true,
-        ..EstimateOptions::default()
-    };
-    let estimates = |sizes: &Sizes| -> Vec<f64> {
-        (0..8)
-            .map(|seed| draw(&context, sizes, 60 + seed))
-            .map(|r| estimate(&context, &r, &mean, &none, &options).sizes)
-            .map(|s| s.plate_ratio)
-            .collect()
-    };
-    let (one, two) = (estimates(&SIZES), estimates(&APART));
+    let [one, two] = [SIZES, APART].map(|sizes| -> Vec<f64> {
+        let estimates = estimates(&context, &sizes, 60);
+        estimates.iter().map(|s| s.plate_ratio).collect()
+    });
     assert!(
         one.iter().filter(|&&ratio| ratio != 1.0).count() <= 1,
         "{one:?}"
@@ -73,9 +67,7 @@ fn a_length_of_the_plates_own_is_told_from_one_for_both() {
                     *r += 0.04 * context.scale[i];
                 }
             }
-            estimate(&context, &r, &mean, &none, &options)
-                .sizes
-                .plate_ratio
+            estimated(&context, &r).plate_ratio
         })
         .collect();
     assert!(
@@ -93,20 +85,7 @@ fn a_length_of_the_plates_own_is_told_from_one_for_both() {
 #[test]
 fn a_plate_smoother_than_the_runs_is_told_from_one_that_is_alike() {
     let context = ramps(300, 3);
-    let none = DMatrix::zeros(context.samples(), 0);
-    let mean = DMatrix::from_column_slice(context.samples(), 1, &context.scale);
-    let options = EstimateOptions {
-        repeats: true,
-        smooth: true,
-        ..EstimateOptions::default()
-    };
-    let estimates = |sizes: &Sizes| -> Vec<Sizes> {
-        let draws = (0..8).map(|seed| draw(&context, sizes, 160 + seed));
-        draws
-            .map(|r| estimate(&context, &r, &mean, &none, &options).sizes)
-            .collect()
-    };
-    let (alike, apart) = (estimates(&SMOOTH), estimates(&SMOOTH_PLATE));
+    let [alike, apart] = [SMOOTH, SMOOTH_PLATE].map(|sizes| estimates(&context, &sizes, 160));
     let own = |all: &[Sizes]| all.iter().filter(|s| s.plate_smoothing > 0.0).count();
     assert!(own(&alike) <= 1, "{alike:?}");
     assert!(own(&apart) >= 5, "{apart:?}");
