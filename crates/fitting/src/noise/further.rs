@@ -130,20 +130,41 @@ impl Frame {
         let (_, start) = (probed.into_iter())
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .filter(|(beyond, _)| thorough || *beyond < 0.0)?;
-        let coarse = COARSE * self.sizes(&start).node_spacing();
-        let near = self.near(criterion, &start, coarse);
+        let found = self.worth_more(
+            criterion,
+            (self, alike),
+            &start,
+            WORTH_SMOOTHER_PLATE,
+            evaluations,
+        );
+        found.map(|(minimum, _)| minimum)
+    }
+
+    /// What a search from `start` finds with a further number, and what that saves of -2 log likelihood beside `plain`, the minimum of a frame
+    /// without it: each with sizes of its own on one grid. `None` where a coarse grid does not show half of `worth`, or the fine one less than it.
+    fn worth_more(
+        &self,
+        criterion: &Criterion<'_>,
+        (without, plain): (&Self, &Minimum),
+        start: &[f64],
+        worth: f64,
+        evaluations: &mut usize,
+    ) -> Option<(Minimum, f64)> {
+        let on_grid =
+            |frame: &Self, point: &[f64], spacing| criterion.value(&frame.sizes(point), spacing);
+        let coarse = COARSE * self.sizes(start).node_spacing();
+        let near = self.near(criterion, start, coarse);
         *evaluations += near.evaluations + 1;
-        if near.value > on_grid(&alike.point, coarse) - 0.5 * WORTH_SMOOTHER_PLATE {
+        if near.value > on_grid(without, &plain.point, coarse) - 0.5 * worth {
             return None;
         }
         let again = Search::Again(self.sizes(&near.point));
         let found = self.search(criterion, near.point, again, evaluations);
         let spacing = self.sizes(&found.point).node_spacing();
-        // Both with sizes of their own on one grid.
-        let as_alike = self.near(criterion, &alike.point, spacing);
-        *evaluations += as_alike.evaluations + 1;
-        let worth = as_alike.value - on_grid(&found.point, spacing) > WORTH_SMOOTHER_PLATE;
-        worth.then_some(found)
+        let as_plain = without.near(criterion, &plain.point, spacing);
+        *evaluations += as_plain.evaluations + 1;
+        let saved = as_plain.value - on_grid(self, &found.point, spacing);
+        (saved >= worth).then_some((found, saved))
     }
 
     /// Where both lengths l and rho l have come to be nearly one: the likelier of that point and of what a search from lengths apart finds on
@@ -207,24 +228,16 @@ impl Frame {
         let (_, start) = (probed.into_iter())
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .filter(|(beyond, _)| *beyond < WORTH_SECOND_LENGTH)?;
-        let coarse = COARSE * apart.sizes(&start).node_spacing();
-        let near = apart.near(criterion, &start, coarse);
-        *evaluations += near.evaluations + 1;
-        if near.value > on_grid(&one.point, coarse) - 0.5 * WORTH_SECOND_LENGTH {
-            return None;
-        }
-        let again = Search::Again(apart.sizes(&near.point));
-        let found = apart.search(criterion, near.point, again, evaluations);
-        let spacing = apart.sizes(&found.point).node_spacing();
-        let as_one = self.near(criterion, &one.point, spacing);
-        *evaluations += as_one.evaluations;
-        let saved = as_one.value - on_grid(&found.point, spacing);
-        if saved < WORTH_SECOND_LENGTH || saved < self.a_step_saves(criterion, one, evaluations) {
-            return None;
-        }
-        Some(Further {
+        let (minimum, saved) = apart.worth_more(
+            criterion,
+            (self, one),
+            &start,
+            WORTH_SECOND_LENGTH,
+            evaluations,
+        )?;
+        (saved >= self.a_step_saves(criterion, one, evaluations)).then_some(Further {
             frame: apart,
-            minimum: found,
+            minimum,
             saved,
         })
     }
