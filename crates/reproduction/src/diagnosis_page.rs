@@ -2,7 +2,7 @@
 //! noise band, rivals and what they lose, what remains unexplained and where, what to measure next.
 
 use campaign::Campaign;
-use diagnosis::answer::{Diagnosis, Finding, Share};
+use diagnosis::answer::{Diagnosis, Finding, Share, Undecidable};
 use diagnosis::{Curves, Diagnosed, Status};
 use report::figure::{Axis, Band, BarGroup, BarPlot, Figure, Ink, LinePlot, Provenance, Series};
 use report::{
@@ -96,7 +96,7 @@ pub(crate) fn blocks(campaign: &Campaign, diagnosed: &Diagnosed, prefix: &str) -
         blocks.push(hidden(answer, evidence, prefix).into());
     }
     if !answer.undecidable.is_empty() {
-        blocks.push(undecidable(answer, evidence, prefix).into());
+        blocks.push(undecidable(&answer.undecidable, evidence, prefix).into());
     }
     blocks
 }
@@ -348,14 +348,14 @@ fn hidden(answer: &Diagnosis, evidence: report::Evidence, prefix: &str) -> Table
     }
 }
 
-fn undecidable(answer: &Diagnosis, evidence: report::Evidence, prefix: &str) -> Table {
+/// What a protocol ties together or cannot show, and what would decide.
+pub(crate) fn undecidable(open: &[Undecidable], evidence: report::Evidence, prefix: &str) -> Table {
     Table {
         id: format!("{prefix}-undecidable"),
         title: "What this protocol cannot decide, and what would".into(),
         caption: "Causes that this protocol ties together or cannot show, and the cheapest experiment that breaks each tie.".into(),
         columns: vec![Column::text("causes"), Column::text("because"), Column::text("experiment")],
-        rows: answer
-            .undecidable
+        rows: open
             .iter()
             .map(|u| vec![u.causes.join(", ").into(), u.because.clone().into(), u.experiment.clone().into()])
             .collect(),

@@ -17,6 +17,7 @@ pub mod cli;
 pub mod compose;
 pub mod controls;
 pub mod costs;
+mod design_page;
 mod diagnosis_page;
 pub mod engine;
 pub mod flips;

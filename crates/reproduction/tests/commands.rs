@@ -240,8 +240,23 @@ fn a_design_reads_no_forces_and_gives_thresholds() {
         let path = other.join("runs").join(entry.file_name());
         fs::write(path, with_other_forces(&text)).unwrap();
     }
-    let again = run(&["diagnose", "--design", other.to_str().unwrap()]);
+    let page = folder.path().join("design.html");
+    let again = run(&[
+        "diagnose",
+        "--design",
+        other.to_str().unwrap(),
+        "--report",
+        page.to_str().unwrap(),
+    ]);
     assert_eq!(again.stdout, answer.stdout);
+    let page = fs::read_to_string(page).unwrap();
+    for part in [
+        "design-isolability",
+        "design-thresholds",
+        "design-undecidable",
+    ] {
+        assert!(page.contains(&format!("id=\"{part}\"")), "no {part}");
+    }
 }
 
 /// The same run with the last column scaled and bent.

@@ -9,6 +9,7 @@ use diagnosis::{Diagnosed, Options, diagnose_fully};
 use report::{Block, Cell, Column, Evidence, Section, Table, Value, typeset};
 use rig::ModelFile;
 
+use crate::design_page;
 use crate::diagnosis_page::{blocks, lead};
 use crate::evidence_of;
 use crate::stage::{Needs, Stage, StageContext, StageError, StageOutput};
@@ -94,9 +95,23 @@ impl Stage for Diagnosis {
                 .blocks
                 .insert(0, cord_table(rigid, corded, *evidence).into());
         }
+        section.blocks.extend(protocol(context)?);
         output.sections = vec![section];
         Ok(output)
     }
+}
+
+/// What the paper's protocol could tell, whatever the forces are.
+fn protocol(context: &StageContext<'_>) -> Result<Vec<Block>, StageError> {
+    let campaign = context.campaign(RIGID)?;
+    let design = diagnosis::design(&campaign, &Options::default())
+        .map_err(|error| StageError::Failed(format!("{RIGID}: {error}")))?;
+    let mut blocks = vec![
+        Block::heading("diagnosis-design", "What the paper's protocol could tell"),
+        Block::prose(design_page::lead(&design)),
+    ];
+    blocks.extend(design_page::blocks(&design, "diagnosis-design"));
+    Ok(blocks)
 }
 
 /// The numbers of one campaign.

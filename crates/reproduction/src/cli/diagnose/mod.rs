@@ -7,6 +7,7 @@ use diagnosis::Options;
 
 use super::{DiagnoseArguments, Failure, Outcome, files};
 use crate::campaign_page::document;
+use crate::design_page;
 use crate::diagnosis_page;
 use crate::provenance;
 
@@ -27,6 +28,18 @@ pub(super) fn run(arguments: &DiagnoseArguments) -> Result<Outcome, Failure> {
         let design = diagnosis::design(&campaign, &options).map_err(Failure::input)?;
         design::print(&design);
         files::json(arguments.json.as_deref(), &design)?;
+        let run = provenance::run(&super::root::root()?);
+        files::page(arguments.report.as_deref(), || {
+            document(
+                &campaign,
+                "Design",
+                design_page::lead(&design),
+                "cargo xtask diagnose --design PACKAGE",
+                run,
+                vec![design_page::section(&campaign, &design)],
+                serde_json::to_value(&design).unwrap_or_default(),
+            )
+        })?;
         return Ok(Outcome::Done);
     }
     say_aside!("diagnosing {} runs", campaign.runs.len());

@@ -110,6 +110,8 @@ pub(super) fn section(figures: Vec<Block>, values: &[Value], quick: bool) -> Sec
                 {{ v(\"gait.best_speed.asymmetric\", 4) }} with the asymmetric brush and \
                 {{ v(\"gait.best_speed.backwards\", 4) }} with the brush mounted backwards: a gain of \
                 {{ v(\"gait.gain\", 3) }}, where the paper prints {{ published(\"gait.gain\") }}.";
+    let lead = format!("{lead}{}", error_bar(values).unwrap_or_default());
+    blocks.push(next());
     Section {
         id: "gait".into(),
         title: "Strides of the biped".into(),
@@ -126,6 +128,36 @@ pub(super) fn section(figures: Vec<Block>, values: &[Value], quick: bool) -> Sec
         claims: vec!["C10".into(), "C11".into(), "C22".into()],
         blocks,
     }
+}
+
+/// What would settle the claims on strides, the cheapest first.
+fn next() -> Block {
+    Block::notice(
+        NoticeKind::Note,
+        "What would settle it",
+        "The paper's cost function and its model of contact, two lines of text, would decide most: with them the strides here are solved again \
+         in a minute (`crates/biped`, `gait::Problem`). Next a drop of one foot on the ground it runs on: the depth of the dent says the \
+         stiffness, the speed of the rebound the loss, and with them one cell of the map is the robot's. Last a slide of the brush at the speeds of a \
+         stance, metres per second: the friction behind every stride is extrapolated from centimetres per second.",
+    )
+}
+
+/// By how much the gain moves on the halved mesh at the weight where it moves most.
+fn error_bar(values: &[Value]) -> Option<String> {
+    let gain = |mesh: &str, weight: f64| {
+        let id = format!("gait.mesh.gain.{mesh}.qv-{weight}");
+        values.iter().find(|v| v.id == id).and_then(|v| v.value)
+    };
+    let moves = |weight: f64| Some((gain("halved", weight)? - gain("own", weight)?).abs());
+    let most = (FINE_WEIGHTS.into_iter())
+        .filter_map(|weight| moves(weight).map(|by| (by, weight)))
+        .max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let weight = most.1;
+    Some(format!(
+        " The gain is a small difference of two speeds: with every interval of the mesh halved it goes from \
+         {{{{ v(\"gait.mesh.gain.own.qv-{weight}\", 3) }}}} to {{{{ v(\"gait.mesh.gain.halved.qv-{weight}\", 3) }}}} at the weight where it moves \
+         most, $Q_v$ = {weight}."
+    ))
 }
 
 /// What halving every interval does to the speeds, and to the gain at every weight at which it was tried.
