@@ -25,7 +25,7 @@ pub(crate) fn assemble(
 ) -> Diagnosis {
     let bench = whole.bench;
     let noise_floor = floor::noise_floor(bench, selected, &whole.extended.prediction, whole.apart);
-    let rmse = floor::rmse(bench, &whole.law.prediction, None);
+    let rmse = floor::rmse(bench, &whole.stated.prediction, None);
     let mut findings: Vec<Finding> = contests
         .iter()
         .enumerate()
@@ -66,7 +66,7 @@ pub(crate) fn assemble(
         .samples
         .force
         .iter()
-        .zip(&whole.law.prediction)
+        .zip(&whole.stated.prediction)
         .zip(&bench.samples.load)
         .map(|((m, p), n)| {
             if bench.samples.loaded && *n > 0.0 {
@@ -118,6 +118,12 @@ pub(crate) fn assemble(
 /// What a reader should not miss.
 fn notes(whole: &Whole<'_>) -> Vec<String> {
     let mut notes = Vec::new();
+    if whole.bench.prior.is_some() {
+        notes.push(
+            "errors of the law are those of the given model as it stands; within its covariance its parameters may differ: a cause must stand out beyond that"
+                .to_owned(),
+        );
+    }
     if !whole.law.converged {
         notes.push(
             "the fit of the law alone did not converge: not converged: iteration limit".to_owned(),

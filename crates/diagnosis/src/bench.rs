@@ -325,6 +325,18 @@ impl<'a> Bench<'a> {
         }
     }
 
+    /// A fit with the law's parameters as a model from elsewhere states them: itself where none does.
+    pub(crate) fn as_stated(&self, fitted: &Fitted) -> Fitted {
+        let Some(prior) = &self.prior else {
+            return fitted.clone();
+        };
+        let mut stated = fitted.clone();
+        stated.parameters[..prior.values.len()].copy_from_slice(&prior.values);
+        stated.prediction = stated.model.predict(&self.experiment, &stated.parameters);
+        (stated.friction, stated.paths) = (OnceLock::new(), OnceLock::new());
+        stated
+    }
+
     /// Whether some condition was repeated.
     pub(crate) fn repeats(&self) -> bool {
         let last = self.conditions.iter().max();

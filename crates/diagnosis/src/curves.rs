@@ -36,7 +36,7 @@ pub(crate) fn curves(whole: &Whole<'_>, selected: &Selected) -> Curves {
         time_s: bench.samples.time.clone(),
         velocity_m_s: bench.samples.velocity.clone(),
         measured: bench.samples.force.clone(),
-        law: whole.law.prediction.clone(),
+        law: whole.stated.prediction.clone(),
         band: extended
             .iter()
             .map(|f| 1.96 * (s.sensor * s.sensor + relative * f * f).sqrt())

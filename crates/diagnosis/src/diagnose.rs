@@ -118,7 +118,7 @@ pub fn diagnose_fully(
     let mut whole = Whole::of(&recorded, bench, &selected);
     let unseen = match (&excerpt, &every_run) {
         (Some(excerpt), Some(all)) => {
-            Some(excerpt.unseen(whole_campaign, all, &whole.law, &whole.extended))
+            Some(excerpt.unseen(whole_campaign, all, &whole.stated, &whole.extended))
         }
         _ => None,
     };

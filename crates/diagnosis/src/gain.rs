@@ -18,11 +18,12 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::answer::{Diagnosis, Gain};
-use crate::bench::Bench;
+use crate::bench::{Bench, Fitted};
 use crate::folds::folds;
 use crate::ground::orthonormal;
 use crate::judged::{Errors, Judged};
-use crate::look_back::without;
+use crate::look_back::{bare, without};
+use crate::scan::is_shift;
 use crate::selection::{Depth, Selected, Warm, law_alone, likely_scatter, select};
 use crate::stand::Stand;
 use crate::subset::Subset;
@@ -35,7 +36,9 @@ const PLACEBOS: usize = 19;
 /// Outcome of one fold.
 pub(crate) struct Fold {
     pub(crate) held: Vec<usize>,
-    /// Predictions for all recorded samples: law alone, and with what the fold selected.
+    /// Predictions for all recorded samples: law alone as its errors are stated, the law that names are judged against, and with what the
+    /// fold selected.
+    stated: Vec<f64>,
     law: Vec<f64>,
     pub(crate) extended: Vec<f64>,
     /// The same with what the whole campaign named in the place of what the fold took in its stead.
@@ -54,6 +57,9 @@ pub(crate) struct Fold {
 pub(crate) struct Gains {
     pub(crate) held_out_law: f64,
     pub(crate) joint: Option<Gain>,
+    /// The gain that speaks for or against the names: beside a model from elsewhere a law that has bent to the data within its covariance
+    /// stands in the place of the model, for all causes but the law's own parameters.
+    judged: Option<Gain>,
     pub(crate) each: Vec<Option<Gain>>,
     /// Squared error that the named causes, fitted in each fold that found them or others in their stead, take off the unseen runs, in
     /// units of noise and doubt (D11); `None` where these are not known.
@@ -77,7 +83,7 @@ impl Gains {
     /// Why the unseen runs speak against what was named, if they do: scrambled signatures do better there, or as well while what is named
     /// can explain but a part of the error; no fold found it again, or few did and it is not plain there; or its gain there may be none.
     pub(crate) fn speak_against(&self) -> Option<&'static str> {
-        let gain = self.joint.as_ref()?;
+        let gain = self.judged.as_ref()?;
         let below = |share: f64| gain.placebo_exceeded.is_some_and(|beaten| beaten < share);
         let a_part = gain.ci95.is_some_and(|[_, most]| most < POSSIBLE);
         if below(WORSE) || (below(BEATEN) && a_part) {
@@ -101,6 +107,7 @@ impl Gains {
     pub(crate) fn of_the_law(self) -> Self {
         Self {
             joint: None,
+            judged: None,
             each: Vec::new(),
             ..self
         }
@@ -134,17 +141,22 @@ pub(crate) fn judge(
         return None;
     }
     let extended = &selected.stand.fitted;
-    let warm = selected.warm();
     let named: Vec<Vec<usize>> = (0..extended.effects.len())
         .map(|k| {
             let tied = ties.get(k).into_iter().flatten().copied();
             std::iter::once(extended.effects[k]).chain(tied).collect()
         })
         .collect();
-    let scrambled = scrambled(bench, selected);
+    let shifted = bench.prior.is_some() && extended.effects.iter().any(|&e| is_shift(bench, e));
+    let asked = Asked {
+        warm: selected.warm(),
+        scrambled: scrambled(bench, selected, shifted),
+        shifted,
+        named,
+    };
     let done: Vec<Option<Fold>> = folds
         .par_iter()
-        .map(|held| fold(bench, whole, held, &warm, &named, &scrambled))
+        .map(|held| fold(bench, whole, held, &asked))
         .collect();
     let done: Vec<Fold> = done.into_iter().flatten().collect();
     if done.is_empty() {
@@ -154,6 +166,7 @@ pub(crate) fn judge(
     let pool = |prediction: &dyn Fn(&Fold) -> &[f64]| {
         Errors::pool(whole.bench, weighed.as_ref(), &done, prediction)
     };
+    let stated = pool(&|f| &f.stated);
     let law = pool(&|f| &f.law);
     let extended = pool(&|f| &f.extended);
     let found = pool(&|f| &f.named);
@@ -163,17 +176,22 @@ pub(crate) fn judge(
     };
     let searched = beside(&|f| &f.searched);
     let judged = Judged {
-        placebo: (0..scrambled.len())
+        placebo: (0..asked.scrambled.len())
             .map(|p| searched - beside(&|f| &f.placebos[p]))
             .collect(),
         floor_rmse,
         beside_floor: beside_repeats(whole, selected, &done),
         weighed,
     };
-    let joint = (!named.is_empty()).then(|| judged.gain(&law, &extended));
-    let weighs = !named.is_empty() && judged.weighed.is_some();
+    let named = asked.named.len();
+    let gain = (named > 0).then(|| judged.gain(&law, &extended));
+    let joint = gain.as_ref().map(|gain| Gain {
+        placebo_exceeded: gain.placebo_exceeded,
+        ..judged.gain(&stated, &extended)
+    });
+    let weighs = named > 0 && judged.weighed.is_some();
     let seen = weighs.then(|| law.judged() - found.judged());
-    let each = (0..named.len())
+    let each = (0..named)
         .map(|k| {
             let lacking = Errors::pool(whole.bench, judged.weighed.as_ref(), &done, &|f| {
                 f.lacking[k].as_ref().unwrap_or(&f.extended)
@@ -186,22 +204,35 @@ pub(crate) fn judge(
         .filter(|f| f.lacking.iter().any(Option::is_some));
     let found_again = again.count() as f64 / done.len() as f64;
     Some(Gains {
-        held_out_law: law.rmse(),
+        held_out_law: stated.rmse(),
         joint,
+        judged: gain,
         each,
         seen,
         found_again,
     })
 }
 
-fn fold(
-    bench: &Bench<'_>,
-    whole: &Whole<'_>,
-    held: &[usize],
-    warm: &Warm,
-    named: &[Vec<usize>],
-    scrambled: &[Vec<f64>],
-) -> Option<Fold> {
+/// What every fold is asked.
+struct Asked {
+    /// Where its selection starts.
+    warm: Warm,
+    /// For each named cause that cause and those that cannot be told from it.
+    named: Vec<Vec<usize>>,
+    /// The scrambled extensions.
+    scrambled: Vec<Vec<f64>>,
+    /// Whether one of the names is another value of the law's own parameters. Within the covariance of a model from elsewhere the law
+    /// bends to the data instead, so that such a name gains something beside the model as it is stated only.
+    shifted: bool,
+}
+
+fn fold(bench: &Bench<'_>, whole: &Whole<'_>, held: &[usize], asked: &Asked) -> Option<Fold> {
+    let Asked {
+        warm,
+        named,
+        shifted,
+        ..
+    } = asked;
     let kept: Vec<usize> = (0..bench.samples.runs.len())
         .filter(|k| !held.contains(k))
         .collect();
@@ -212,6 +243,7 @@ fn fold(
         let prediction = whole.prediction(&law);
         return Some(Fold {
             held: held.to_vec(),
+            stated: whole.stated_prediction(&law),
             extended: prediction.clone(),
             named: prediction.clone(),
             law: prediction,
@@ -224,6 +256,7 @@ fn fold(
     let own = select(bench, &subset, Depth::Fold, Some(warm))?;
     let subset = &own.subset;
     let full = &own.stand.fitted;
+    let reference = reference(bench, &own.baseline.fitted, *shifted);
     let lacking = named
         .iter()
         .map(|cause| {
@@ -231,7 +264,10 @@ fn fold(
             let mut rest = full.effects.clone();
             rest.remove(k);
             if rest.is_empty() {
-                return Some(whole.prediction(&own.baseline.fitted));
+                return Some(whole.prediction(&reference));
+            }
+            if bench.prior.is_some() && is_shift(bench, full.effects[k]) {
+                return bare(bench, full, k).map(|fit| whole.prediction(&fit));
             }
             let context = subset.context_of(bench, full);
             let whitener = own
@@ -243,38 +279,64 @@ fn fold(
                 .map(|fit| whole.prediction(&fit))
         })
         .collect();
-    let base = &own.baseline;
-    let (basis, back) = orthonormal(&base.white_jacobian, 1e-9);
-    let placebos = scrambled
-        .iter()
-        .map(|effect| {
-            // Linear fit of the scrambled effect with the law's own directions.
-            let raw = DMatrix::from_column_slice(effect.len(), 1, effect);
-            let white: DVector<f64> = base.whiten(subset, &raw).column(0).into_owned();
-            let along = basis.tr_mul(&white);
-            let free = &white - &basis * &along;
-            let power = free.norm_squared().max(1e-300);
-            let size = free.dot(&base.ground.y) / power;
-            let shift = &base.jacobian * (&back * along);
-            base.fitted
-                .prediction
-                .iter()
-                .zip(effect)
-                .zip(shift.iter())
-                .map(|((p, e), j)| p + size * (e - j))
-                .collect()
-        })
-        .collect();
     Some(Fold {
         held: held.to_vec(),
-        law: whole.prediction(&base.fitted),
+        stated: whole.stated_prediction(&own.baseline.fitted),
+        law: whole.prediction(&reference),
         extended: whole.prediction(full),
         named: instead(bench, whole, &own, warm, named),
-        searched: base.fitted.prediction.clone(),
+        placebos: placebos(bench, &own, &reference, asked),
+        searched: reference.prediction,
         lacking,
-        placebos,
         doubt: doubt(&own.stand),
     })
+}
+
+/// The law that an extension is judged against: the one that was fitted, or, where the names are its own parameters, as a model from
+/// elsewhere states it.
+fn reference(bench: &Bench<'_>, law: &Fitted, shifted: bool) -> Fitted {
+    if shifted {
+        bench.as_stated(law)
+    } else {
+        law.clone()
+    }
+}
+
+/// Predictions with each scrambled effect, fitted by least squares together with the law's own directions (or, where the law stands as it
+/// is stated, alone).
+fn placebos(bench: &Bench<'_>, own: &Selected, reference: &Fitted, asked: &Asked) -> Vec<Vec<f64>> {
+    let (base, subset) = (&own.baseline, &own.subset);
+    let whitened = |column: &[f64]| -> DVector<f64> {
+        let raw = DMatrix::from_column_slice(column.len(), 1, column);
+        base.whiten(subset, &raw).column(0).into_owned()
+    };
+    let (basis, back, residual) = if asked.shifted {
+        let measured = bench.experiment.measured_n.iter();
+        let residual: Vec<f64> = (measured.zip(&reference.prediction))
+            .map(|(y, f)| y - f)
+            .collect();
+        let (rows, parameters) = base.white_jacobian.shape();
+        let (none, back) = (DMatrix::zeros(rows, 0), DMatrix::zeros(parameters, 0));
+        (none, back, whitened(&residual))
+    } else {
+        let (basis, back) = orthonormal(&base.white_jacobian, 1e-9);
+        (basis, back, base.ground.y.clone())
+    };
+    let scrambled = asked.scrambled.iter();
+    let beside = scrambled.map(|effect| {
+        let white = whitened(effect);
+        let along = basis.tr_mul(&white);
+        let free = &white - &basis * &along;
+        let power = free.norm_squared().max(1e-300);
+        let size = free.dot(&residual) / power;
+        let shift = &base.jacobian * (&back * along);
+        let law = reference.prediction.iter();
+        law.zip(effect)
+            .zip(shift.iter())
+            .map(|((p, e), j)| p + size * (e - j))
+            .collect()
+    });
+    beside.collect()
 }
 
 /// The fold's extension, or, where the fold took something else in the stead of all that the whole campaign named, the fold's fit of that.
@@ -318,7 +380,7 @@ fn doubt(stand: &Stand) -> DMatrix<f64> {
 }
 
 /// The fitted effects with their course along each run shifted round and their sign drawn, from fixed seeds.
-fn scrambled(bench: &Bench<'_>, selected: &Selected) -> Vec<Vec<f64>> {
+fn scrambled(bench: &Bench<'_>, selected: &Selected, shifted: bool) -> Vec<Vec<f64>> {
     if selected.stand.fitted.effects.is_empty() {
         return Vec::new();
     }
@@ -327,7 +389,7 @@ fn scrambled(bench: &Bench<'_>, selected: &Selected) -> Vec<Vec<f64>> {
         .fitted
         .prediction
         .iter()
-        .zip(&selected.baseline.fitted.prediction)
+        .zip(&reference(bench, &selected.baseline.fitted, shifted).prediction)
         .map(|(a, b)| a - b)
         .collect();
     (0..PLACEBOS)
@@ -355,7 +417,8 @@ mod tests {
     fn gains(seen: f64, found_again: f64) -> Gains {
         Gains {
             held_out_law: 1.0,
-            joint: Some(Gain {
+            joint: None,
+            judged: Some(Gain {
                 held_out_rmse_before: 1.0,
                 held_out_rmse_after: 1.001,
                 explained_fraction: None,

@@ -72,7 +72,7 @@ impl Errors {
     }
 }
 
-/// Half the 95 % interval of a sum of differences between runs (Student's t); `None` of one run.
+/// Half the 95 % interval of a sum over runs (Student's t); `None` of one run.
 fn paired_half(differences: &[f64]) -> Option<f64> {
     let n = differences.len() as f64;
     let mean = differences.iter().sum::<f64>() / n;
@@ -111,7 +111,8 @@ impl Judged<'_> {
         }
     }
 
-    /// (D4) and half its interval's width; `None` where its denominator is within its uncertainty.
+    /// (D4) and half its interval's width; `None` where its denominator is within its uncertainty. A share is the ratio of two sums over
+    /// runs, d of e: it is as uncertain as the sum of d - share e, however differently large the effect is in the runs.
     fn share_above_floor(&self, before: &Errors, after: &Errors) -> Option<(f64, Option<f64>)> {
         let floor = before.count() * self.floor_rmse.powi(2);
         let explainable = before.total() - floor;
@@ -123,7 +124,12 @@ impl Judged<'_> {
         let pairs = before.runs.iter().zip(&after.runs);
         let differences: Vec<f64> = pairs.map(|(b, a)| b.0 - a.0).collect();
         let share = differences.iter().sum::<f64>() / explainable;
-        let half = paired_half(&differences);
+        let beside = before
+            .runs
+            .iter()
+            .zip(&differences)
+            .map(|((square, n), d)| d - share * (square - n * self.floor_rmse.powi(2)));
+        let half = paired_half(&beside.collect::<Vec<f64>>());
         Some((share, half.map(|h| h.hypot(share * unknown) / explainable)))
     }
 
@@ -140,5 +146,50 @@ impl Judged<'_> {
         let half = paired_half(&differences);
         let half = half.map(|h| own * h.hypot(dropped * wrong) / explainable.powi(2));
         Some((dropped / explainable, half))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn errors(runs: &[f64]) -> Errors {
+        Errors {
+            runs: runs.iter().map(|&square| (square, 100.0)).collect(),
+            weighed: Vec::new(),
+            doubted: Vec::new(),
+        }
+    }
+
+    /// A share that every run shows is known however large the error is in each; one that differs from run to run is not.
+    #[test]
+    fn a_share_that_all_runs_agree_on_is_certain() {
+        let judged = Judged {
+            placebo: Vec::new(),
+            floor_rmse: 0.0,
+            beside_floor: 0.0,
+            weighed: None,
+        };
+        let before = errors(&[1.0, 4.0, 9.0, 2.0]);
+        let half = |after: &[f64]| {
+            let gain = judged.gain(&before, &errors(after));
+            let [low, high] = gain.ci95.expect("four runs");
+            (
+                gain.explained_fraction.expect("no floor"),
+                0.5 * (high - low),
+            )
+        };
+        let (share, agreed) = half(&[0.1, 0.4, 0.9, 0.2]);
+        assert!(
+            (share - 0.9).abs() < 1e-12 && agreed < 1e-12,
+            "{share} {agreed}"
+        );
+        // The same sums, one run hiding what another shows: residuals of 2 and -2 on 16, Student's t of three degrees of freedom.
+        let (same, unlike) = half(&[0.1, 2.4, -1.1, 0.2]);
+        let expected = student(3.0) * (4.0_f64 / 3.0 * 8.0).sqrt() / 16.0;
+        assert!(
+            (same - 0.9).abs() < 1e-12 && (unlike - expected).abs() < 1e-12,
+            "{unlike}"
+        );
     }
 }

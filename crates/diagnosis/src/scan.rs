@@ -354,7 +354,7 @@ fn tasks(bench: &Bench<'_>, fitted: &Fitted, peaks: &Peaks, skipped: &[usize]) -
     let dear = fitted.effects.iter().any(|&e| is_dear(bench, e));
     for cause in 0..bench.catalogue.len() {
         let effect = &bench.catalogue[cause];
-        if is_shift(bench, effect.as_ref()) {
+        if bench.prior.is_none() && is_shift(bench, cause) {
             shifts.push(cause);
             continue;
         }
@@ -410,13 +410,12 @@ fn tasks(bench: &Bench<'_>, fitted: &Fitted, peaks: &Peaks, skipped: &[usize]) -
     }
 }
 
-/// Whether a cause is the law's own parameter under another name: with free parameters a lean always is, a gain wherever
+/// Whether a cause is the law's own parameters under another name: only a model from elsewhere shows it. A lean always is, a gain wherever
 /// nothing but friction is in the record (a stated mass whose inertia it scales too tells it from the law).
-fn is_shift(bench: &Bench<'_>, effect: &dyn rig::Cause) -> bool {
-    let free = bench.prior.is_none();
-    match effect.id() {
-        "lean-angle" => free,
-        "force-gain" => free && bench.experiment.moving_mass_kg == 0.0,
+pub(crate) fn is_shift(bench: &Bench<'_>, cause: usize) -> bool {
+    match bench.catalogue[cause].id() {
+        "lean-angle" => true,
+        "force-gain" => bench.experiment.moving_mass_kg == 0.0,
         _ => false,
     }
 }

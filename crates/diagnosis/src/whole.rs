@@ -22,6 +22,8 @@ pub(crate) struct Whole<'a> {
     pub(crate) apart: bool,
     /// The law alone.
     pub(crate) law: Fitted,
+    /// The law as its errors are stated: with the parameters of a model from elsewhere where there is one, else as fitted.
+    pub(crate) stated: Fitted,
     /// The law with the named causes.
     pub(crate) extended: Fitted,
 }
@@ -37,12 +39,27 @@ impl<'a> Whole<'a> {
                 fitted.clone()
             }
         };
+        let law = fit(&selected.baseline.fitted);
         Self {
             bench: recorded,
             apart,
-            law: fit(&selected.baseline.fitted),
+            stated: recorded.as_stated(&law),
+            law,
             extended: fit(&selected.stand.fitted),
         }
+    }
+
+    /// Prediction of a law alone, as its errors are stated, for all recorded samples.
+    pub(crate) fn stated_prediction(&self, law: &Fitted) -> Vec<f64> {
+        if self.bench.prior.is_none() {
+            return self.prediction(law);
+        }
+        let law = if self.apart {
+            of_all_samples(self.bench, law)
+        } else {
+            law.clone()
+        };
+        self.bench.as_stated(&law).prediction
     }
 
     /// Prediction of a fit for all recorded samples.
