@@ -253,8 +253,13 @@ fn complete(
             let held = |id: &String| tie.causes.contains(id);
             u.causes.len() == tie.causes.len() && u.causes.iter().all(held)
         };
+        // Signatures that are one for small effects may differ at the size of this one: a cause named without its rivals is decided.
+        let decided = answer.findings.iter().any(|f| {
+            let rival = |id: &String| f.equivalent.contains(id);
+            tie.causes.contains(&f.cause) && !tie.causes.iter().any(rival)
+        });
         // The named set's own line says it already.
-        if !answer.undecidable.iter().any(same) {
+        if !decided && !answer.undecidable.iter().any(same) {
             answer.undecidable.push(tie);
         }
     }

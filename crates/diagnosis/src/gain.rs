@@ -81,16 +81,16 @@ const AGAIN: f64 = 1.0 / 3.0;
 
 impl Gains {
     /// Why the unseen runs speak against what was named, if they do: scrambled signatures do better there, or as well while what is named
-    /// can explain but a part of the error; no fold found it again, or few did and it is not plain there; or its gain there may be none.
+    /// can explain but a part of the error, or nobody knows how much; no fold found it again, or few did and it is not plain there; or its gain there may be none.
     pub(crate) fn speak_against(&self) -> Option<&'static str> {
         let gain = self.judged.as_ref()?;
         let below = |share: f64| gain.placebo_exceeded.is_some_and(|beaten| beaten < share);
-        let a_part = gain.ci95.is_some_and(|[_, most]| most < POSSIBLE);
+        // An effect that only one of a few held-out runs shows has an interval over runs that holds zero, however plain it is there.
+        let plain = self.seen.is_some_and(|drop| drop > NO_NOISE);
+        let a_part = gain.ci95.map_or(!plain, |[_, most]| most < POSSIBLE);
         if below(WORSE) || (below(BEATEN) && a_part) {
             return Some("does no better than scrambled ones");
         }
-        // An effect that only one of a few held-out runs shows has an interval over runs that holds zero, however plain it is there.
-        let plain = self.seen.is_some_and(|drop| drop > NO_NOISE);
         if !plain && self.found_again < AGAIN {
             return Some(if self.found_again > 0.0 {
                 "is found again by few of the others"

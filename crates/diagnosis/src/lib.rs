@@ -24,6 +24,7 @@ mod experiment;
 mod extension;
 mod floor;
 mod folds;
+mod forms;
 mod gain;
 mod general;
 mod ground;

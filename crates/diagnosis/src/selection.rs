@@ -10,6 +10,7 @@ use fitting::noise::{Search, Sizes};
 
 use crate::afresh::{STRONG, afresh};
 use crate::bench::{Bench, Fitted};
+use crate::forms::plainest;
 use crate::general::Lack;
 use crate::joint::{is_dear, joint_fits, survivors};
 use crate::lateness::{Lateness, looked_up};
@@ -308,6 +309,11 @@ fn select_beside(
             }
         }
         chosen = Some(next);
+    }
+    if depth == Depth::Full
+        && let Some(stand) = chosen.take()
+    {
+        chosen = Some(plainest(bench, &subset, stand)?);
     }
     if let Some(warm) = warm.filter(|_| depth == Depth::Fold)
         && let Some(stand) = chosen.take()

@@ -128,7 +128,7 @@ pub fn draw(
         },
         "velocity-strengthening" => Effect::VelocityStrengthening {
             quadratic_s2_m2: 0.08 * size / scales.speed_m_s.powi(2),
-            added: second,
+            added: !second,
         },
         "lean-angle" => Effect::LeanAngle {
             angle_rad: 0.05 * size * sign,

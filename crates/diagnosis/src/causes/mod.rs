@@ -24,7 +24,7 @@ catalogue! {
     stage_ripple::StageRipple;
     cord_compliance::CordCompliance, CordBesideMass;
     stribeck_shape::StribeckShape;
-    velocity_strengthening::VelocityStrengthening, AddedStrengthening;
+    velocity_strengthening::AddedStrengthening, VelocityStrengthening;
     lean_angle::LeanAngle;
     bristle_set::BristleSet, KeptSet, LastWaySet;
     wear::Wear, WearByDecades;

@@ -1,6 +1,6 @@
-//! Friction grows faster than linearly with speed: mu (1 + q v^2), q in s^2/m^2. Written as a factor, it means the same
-//! with and without a load. Or the square is added to the coefficient, mu + q v |v|: then it grows at once where the bristles are still
-//! bending, and by as much in both directions.
+//! Friction grows faster than linearly with speed. The square is added to the coefficient, mu + q v |v|, q in s^2/m^2: it grows at once where
+//! the bristles are still bending, and by as much in both directions. Or it is a factor, mu (1 + q v^2), which means the same with and without
+//! a load. One q is mu times the other, so the plain form comes first wherever a load is recorded.
 
 use friction::{ParameterSpec, Scalar};
 use rig::{Cause, Experiment, Place, Reach, Requirement, Station};

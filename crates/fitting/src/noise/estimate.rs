@@ -123,13 +123,16 @@ pub fn estimate(
     // What rows are the means of is known of exponential roughness only.
     let exponential = minimum.point.len() == MORE && options.search != Search::Near;
     if options.smooth && exponential && context.rows.is_empty() {
+        // Longer roughness first: at the bound of its length it would be taken for another kind.
+        if let Some(longer) = frame.longer(&criterion, &minimum, &mut evaluations) {
+            (frame, minimum) = (longer.frame, longer.minimum);
+        }
         let thorough = options.search.is_thorough();
         let smoother = frame.smoother(&criterion, &minimum, thorough, &mut evaluations);
         let apart = plate_separable
             .then(|| frame.two_lengths(&criterion, &minimum, &mut evaluations))
             .flatten();
-        let longer = frame.longer(&criterion, &minimum, &mut evaluations);
-        let further = smoother.into_iter().chain(apart).chain(longer);
+        let further = smoother.into_iter().chain(apart);
         if let Some(best) = further.max_by(|a, b| a.saved.total_cmp(&b.saved)) {
             (frame, minimum) = (best.frame, best.minimum);
         }

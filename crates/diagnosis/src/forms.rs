@@ -1,0 +1,82 @@
+//! The form in which a cause is named: the plainest that the record allows.
+//!
+//! Some causes stand in the catalogue in several forms (wear with and without a limit, a square of the speed that is added or a factor).
+//! Where two of them do alike, chance decides which one comes in first, and a size that is reported by the other form's parameters
+//! means another thing to the reader.
+
+use crate::bench::{Bench, Fitted};
+use crate::joint::{is_dear, search_price};
+use crate::scan::Scan;
+use crate::selection::{likely_scatter, settle};
+use crate::stand::Stand;
+use crate::subset::Subset;
+
+/// Steps of a fit with another form.
+const STEPS: u64 = 30;
+/// Starts of another form that are fitted, nearest first.
+const STARTS: usize = 3;
+
+/// The set with each cause in its plainest form, wherever that costs less than the price of a second form.
+pub(crate) fn plainest(bench: &Bench<'_>, subset: &Subset, mut stand: Stand) -> Option<Stand> {
+    for k in 0..stand.fitted.effects.len() {
+        let own = stand.fitted.effects[k];
+        let plain = bench.catalogue[..own]
+            .iter()
+            .position(|other| other.id() == bench.catalogue[own].id());
+        let Some(plain) = plain.filter(|&plain| !is_dear(bench, plain)) else {
+            continue;
+        };
+        let dearer = search_price(bench, own) - search_price(bench, plain);
+        let Some(fit) = in_place(bench, subset, &stand, k, plain) else {
+            continue;
+        };
+        if stand.deviance_of(bench, subset, &fit) > stand.deviance + dearer {
+            continue;
+        }
+        let found = Scan::empty(bench, Some(stand.sizes));
+        let next = settle(bench, subset, &fit, &found)?;
+        if next.deviance <= stand.deviance + dearer {
+            stand = next;
+        }
+    }
+    Some(stand)
+}
+
+/// The set with another form in the place of its k-th cause.
+fn in_place(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    k: usize,
+    form: usize,
+) -> Option<Fitted> {
+    let fitted = &stand.fitted;
+    let span = fitted.model.span(k);
+    let mut effects = fitted.effects.clone();
+    effects[k] = form;
+    let model = bench.model(&effects)?;
+    let with = |own: &[f64]| {
+        let mut start = fitted.parameters[..span.start].to_vec();
+        start.extend_from_slice(own);
+        start.extend_from_slice(&fitted.parameters[span.end..]);
+        start
+    };
+    let context = subset.context_of(bench, fitted);
+    let whitener = stand.whitener.with_scatter(&context, likely_scatter(stand));
+    let mut starts: Vec<(f64, Vec<f64>)> = bench.catalogue[form]
+        .starts(&bench.experiment)
+        .iter()
+        .map(|own| with(own))
+        .map(|start| {
+            let prediction = model.predict(&bench.experiment, &start);
+            let misses = prediction.iter().zip(&fitted.prediction);
+            (misses.map(|(a, b)| (a - b).powi(2)).sum(), start)
+        })
+        .collect();
+    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let fits = starts.iter().take(STARTS).filter_map(|(_, start)| {
+        let fit = bench.fit(subset, &effects, start, &whitener, None, STEPS)?;
+        Some((stand.deviance_of(bench, subset, &fit), fit))
+    });
+    fits.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, fit)| fit)
+}
