@@ -405,6 +405,7 @@ fn rotary_scale(plan: &Plan) -> f64 {
 /// Scales of a healthy day, from the plan and the law.
 fn scales(law: &Law, plan: &Plan) -> Scales {
     let mut scales = Scales {
+        loaded: plan.runs.iter().all(|run| run.load_n.is_some()),
         force_n: 0.0,
         largest_force_n: 0.0,
         speed_m_s: 0.0,

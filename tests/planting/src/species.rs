@@ -66,6 +66,8 @@ pub const SECOND_SHAPES: [&str; 12] = [
 /// Scales of the rig that sizes refer to.
 #[derive(Clone, Copy, Debug)]
 pub struct Scales {
+    /// Whether the load is in the record, so that friction has a coefficient.
+    pub loaded: bool,
     /// Largest friction force of a healthy day at its lightest load, N.
     pub force_n: f64,
     /// Largest reading of the healthy day, N (only computed where something clips).
@@ -128,7 +130,8 @@ pub fn draw(
         },
         "velocity-strengthening" => Effect::VelocityStrengthening {
             quadratic_s2_m2: 0.08 * size / scales.speed_m_s.powi(2),
-            added: !second,
+            // Only a recorded load tells what is added to the coefficient from what multiplies it.
+            added: scales.loaded != second,
         },
         "lean-angle" => Effect::LeanAngle {
             angle_rad: 0.05 * size * sign,
