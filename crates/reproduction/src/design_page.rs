@@ -6,7 +6,7 @@ use diagnosis::Design;
 use report::figure::{Axis, Figure, HeatMap, Provenance};
 use report::{Block, Cell, Column, Evidence, Section, Table, literal};
 
-use crate::diagnosis_page::undecidable;
+use crate::diagnosis_page::{size, undecidable};
 
 /// Sine of the angle below which two signatures are next to one another: an effect of ten noise deviations then differs from its
 /// rival by less than one.
@@ -37,7 +37,7 @@ pub(crate) fn lead(design: &Design) -> String {
     let seen = seen(design);
     let alike = seen
         .iter()
-        .filter(|&&i| rival(design, &seen, i).is_some_and(|(_, sine)| sine < ALIKE))
+        .filter(|&&i| rival(design, seen.iter().copied(), i).is_some_and(|(_, sine)| sine < ALIKE))
         .count();
     format!(
         "With the law `{}` and nominal noise this protocol would show {} causes of friction and measurement at some size; {alike} of them look \
@@ -110,12 +110,18 @@ fn matrix(design: &Design, prefix: &str) -> Figure {
     )
 }
 
-/// The cause that is most like the i-th one, and the sine between them.
-fn rival(design: &Design, among: &[usize], i: usize) -> Option<(usize, f64)> {
+/// The form of another cause that is most like the i-th one, and the sine between them; `None` where the law absorbs it.
+pub(crate) fn rival(
+    design: &Design,
+    among: impl IntoIterator<Item = usize>,
+    i: usize,
+) -> Option<(usize, f64)> {
+    let row = design.isolability.get(i)?;
+    let cause = |k: usize| &design.thresholds[k].cause;
     among
-        .iter()
-        .filter(|&&j| j != i)
-        .filter_map(|&j| design.isolability[i][j].map(|sine| (j, sine)))
+        .into_iter()
+        .filter(|&j| cause(j) != cause(i))
+        .filter_map(|j| row[j].map(|sine| (j, sine)))
         .min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
@@ -124,11 +130,7 @@ fn thresholds(design: &Design, prefix: &str) -> Table {
     let seen = seen(design);
     let row = |i: usize| {
         let threshold = &design.thresholds[i];
-        let size = threshold.size.map_or_else(
-            || Cell::Missing("no size: the law absorbs it".into()),
-            Cell::from,
-        );
-        let nearest = seen.contains(&i).then(|| rival(design, &seen, i)).flatten();
+        let nearest = rival(design, seen.iter().copied(), i);
         let (name, sine) = nearest.map_or_else(
             || [Cell::Text(String::new()), Cell::Missing("no rival".into())].into(),
             |(j, sine)| (design.thresholds[j].cause.clone().into(), Cell::from(sine)),
@@ -136,7 +138,7 @@ fn thresholds(design: &Design, prefix: &str) -> Table {
         vec![
             threshold.cause.clone().into(),
             threshold.parameter.clone().into(),
-            size,
+            size(threshold),
             report::printed_unit(&threshold.unit).into(),
             name,
             sine,

@@ -2,7 +2,7 @@
 //! noise band, rivals and what they lose, what remains unexplained and where, what to measure next.
 
 use campaign::Campaign;
-use diagnosis::answer::{Diagnosis, Finding, Share, Undecidable};
+use diagnosis::answer::{Diagnosis, Finding, Hidden, Share, Undecidable};
 use diagnosis::{Curves, Diagnosed, Status};
 use report::figure::{Axis, Band, BarGroup, BarPlot, Figure, Ink, LinePlot, Provenance, Series};
 use report::{
@@ -334,10 +334,7 @@ fn hidden(answer: &Diagnosis, evidence: report::Evidence, prefix: &str) -> Table
                 vec![
                     h.cause.clone().into(),
                     h.parameter.clone().into(),
-                    h.size.map_or(
-                        Cell::Missing("no size: the law absorbs it".into()),
-                        Cell::from,
-                    ),
+                    size(h),
                     report::printed_unit(&h.unit).into(),
                 ]
             })
@@ -346,6 +343,12 @@ fn hidden(answer: &Diagnosis, evidence: report::Evidence, prefix: &str) -> Table
         provenance: Some(Provenance::here(STAGE, "hidden")),
         ..Table::default()
     }
+}
+
+/// The size of a cause that would be found.
+pub(crate) fn size(hidden: &Hidden) -> Cell {
+    let absorbed = Cell::Missing("no size: the law absorbs it".into());
+    hidden.size.map_or(absorbed, Cell::from)
 }
 
 /// What a protocol ties together or cannot show, and what would decide.

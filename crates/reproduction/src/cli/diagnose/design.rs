@@ -2,6 +2,7 @@
 
 use diagnosis::Design;
 
+use crate::design_page::rival;
 use crate::results::significant;
 
 /// Thresholds with the nearest rival of each cause, then the whole isolability matrix.
@@ -39,13 +40,7 @@ fn thresholds(design: &Design) {
                 )
             },
         );
-        let nearest = design.isolability.get(i).and_then(|row| {
-            row.iter()
-                .enumerate()
-                .filter(|(j, _)| *j != i && design.thresholds[*j].cause != threshold.cause)
-                .filter_map(|(j, s)| s.map(|s| (j, s)))
-                .min_by(|a, b| a.1.total_cmp(&b.1))
-        });
+        let nearest = rival(design, 0..design.isolability.len(), i);
         let rival = nearest.map_or_else(String::new, |(j, s)| {
             format!("{} ({})", design.thresholds[j].cause, significant(s))
         });
