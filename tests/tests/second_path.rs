@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use planting::effect::{Ageing, Effect};
 use planting::{Base, Case, NoiseKind, Protocol};
 use rig::{Experiment, Model};
 use whole_program::measured::{campaign, parameters};
@@ -88,7 +89,12 @@ fn catalogue_and_planted_mechanisms_agree() {
             (Protocol::Rotary, 0.5),
             (Protocol::Rotary, 0.05),
         ] {
-            let Some(share) = disagreement_of(id, protocol, size) else {
+            let Some(share) = disagreement_of(
+                &Case::nothing(protocol, NoiseKind::None, 21),
+                id,
+                size,
+                false,
+            ) else {
                 // What a brush under loads does not show, no test here compares.
                 let compared_elsewhere = protocol != Protocol::Rich || is_of_the_numbers(id);
                 assert!(compared_elsewhere, "{id} is not compared at all");
@@ -115,6 +121,51 @@ fn catalogue_and_planted_mechanisms_agree() {
     assert!(disagreements.is_empty(), "{}", disagreements.join("\n"));
 }
 
+/// Second forms that the catalogue knows exactly: an asymmetry that jumps, and ageing in each of its ways to end.
+#[test]
+fn second_forms_agree_too() {
+    let mut seen = std::collections::BTreeSet::new();
+    for (id, seeds) in [("direction-asymmetry", 21..23), ("dwell-ageing", 21..29)] {
+        for (protocol, seed) in [Protocol::Rich, Protocol::Drive]
+            .into_iter()
+            .flat_map(|protocol| seeds.clone().map(move |seed| (protocol, seed)))
+        {
+            let healthy = Case::nothing(protocol, NoiseKind::None, seed);
+            let planted = healthy.clone().with(id, 0.3, true).carry_out();
+            let form = further_names(&planted.expect("a cause").key.effects[0]);
+            let Some(share) = disagreement_of(&healthy, id, 0.3, true) else {
+                continue;
+            };
+            println!("{id} {form:?} on {protocol:?}, seed {seed}: {share:.4}");
+            assert!(share < 0.02, "{id} {form:?} on {protocol:?}: {share:.3}");
+            seen.extend(form.last().map(|(name, _)| (id, *name)));
+        }
+    }
+    let wanted = [
+        ("direction-asymmetry", "jumps_in_turning"),
+        ("dwell-ageing", "fading_distance_m"),
+        ("dwell-ageing", "lost_in_turning"),
+        ("dwell-ageing", "of_the_whole_curve"),
+    ];
+    assert!(wanted.iter().all(|form| seen.contains(form)), "{seen:?}");
+}
+
+/// What a file of the program says beside the sizes, so that it means this second form.
+fn further_names(effect: &Effect) -> Vec<(&'static str, f64)> {
+    match *effect {
+        Effect::DirectionAsymmetry { jumps: true, .. } => vec![("jumps_in_turning", 1.0)],
+        Effect::DwellAgeing { ends, .. } => match ends {
+            Ageing::WithTheRun => Vec::new(),
+            Ageing::InTurning => vec![("lost_in_turning", 1.0)],
+            Ageing::Fading(length_m) => vec![("fading_distance_m", length_m)],
+            Ageing::Grown(length_m) => {
+                vec![("fading_distance_m", length_m), ("of_the_whole_curve", 1.0)]
+            }
+        },
+        _ => Vec::new(),
+    }
+}
+
 /// Whether a cause is read off the numbers and predicts nothing.
 fn is_of_the_numbers(id: &str) -> bool {
     diagnosis::causes::find(id)
@@ -123,15 +174,15 @@ fn is_of_the_numbers(id: &str) -> bool {
 }
 
 /// Distance between the planted record and the catalogue's prediction over the size of the effect; `None` where the protocol does not have the cause.
-fn disagreement_of(id: &str, protocol: Protocol, size: f64) -> Option<f64> {
-    let healthy = Case::nothing(protocol, NoiseKind::None, 21);
-    let planted = healthy.clone().with(id, size, false);
+fn disagreement_of(healthy: &Case, id: &str, size: f64, second: bool) -> Option<f64> {
+    let planted = healthy.clone().with(id, size, second);
     let day = planted.carry_out().expect("a cause");
     let without = healthy.carry_out().expect("nothing");
     let effect = day.key.effects[0];
     let mut reported: BTreeMap<String, f64> = effect
         .sizes()
         .into_iter()
+        .chain(further_names(&effect))
         .map(|(name, value)| (name.to_string(), value))
         .collect();
     if let Some(phase) = effect.phase_rad() {
@@ -157,7 +208,7 @@ fn disagreement_of(id: &str, protocol: Protocol, size: f64) -> Option<f64> {
             values.extend(fitted);
             values.resize(model.parameters().len(), 0.0);
             let mut predicted = model.predict(&experiment, &values);
-            if let planting::effect::Effect::LoadDependence { exponent } = effect {
+            if let Effect::LoadDependence { exponent } = effect {
                 // The load at which the coefficients are stated is a convention: first load here, mean load there.
                 let first_n = day.plan.runs[0].load_n?;
                 let factor = (first_n / experiment.reference_load_n).powf(exponent);

@@ -10,7 +10,7 @@ use rig::{Cause, Experiment, Model, Requirement, Station};
 use rigs::{BRISTLE, LUGRE, rich};
 
 /// Ids, stations and reported parameters, as other programs know them.
-const VOCABULARY: [(&str, &str, &[&str]); 41] = [
+const VOCABULARY: [(&str, &str, &[&str]); 43] = [
     (
         "stage-ripple",
         "stage",
@@ -84,6 +84,15 @@ const VOCABULARY: [(&str, &str, &[&str]); 41] = [
         "law",
         &["coulomb_ratio_minus_1", "viscous_ratio_minus_1"],
     ),
+    (
+        "direction-asymmetry",
+        "law",
+        &[
+            "coulomb_ratio_minus_1",
+            "viscous_ratio_minus_1",
+            "jumps_in_turning",
+        ],
+    ),
     ("frictional-memory", "law", &["time_constant_s"]),
     ("frictional-memory", "law", &["distance_m"]),
     (
@@ -106,6 +115,11 @@ const VOCABULARY: [(&str, &str, &[&str]); 41] = [
         "dwell-ageing",
         "history",
         &["per_decade", "fading_distance_m"],
+    ),
+    (
+        "dwell-ageing",
+        "history",
+        &["per_decade", "fading_distance_m", "of_the_whole_curve"],
     ),
     ("backlash", "coupling", &["gap_m"]),
     ("backlash", "coupling", &["gap_m", "carried_between_runs"]),

@@ -28,6 +28,18 @@ pub struct StribeckCurve<D> {
     pub speed: Option<D>,
     /// Exponent p.
     pub exponent: Exponent<D>,
+    /// What rest makes larger.
+    pub aged: Aged,
+}
+
+/// The part of a Stribeck curve that is multiplied by the gain of an aged contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Aged {
+    /// The static level s.
+    #[default]
+    StaticLevel,
+    /// The curve as a whole, the kinetic level k included.
+    Whole,
 }
 
 /// Below this ratio of speeds the square root of the tyre form is rounded off.
@@ -43,22 +55,26 @@ impl<D: Scalar> StribeckCurve<D> {
             at_rest: level,
             speed: None,
             exponent: Exponent::Two,
+            aged: Aged::StaticLevel,
         }
     }
 
-    /// (g, dg/du) at speed u >= 0. The static level is multiplied by `rest_gain` (1 unless the contact has aged).
+    /// (g, dg/du) at speed u >= 0. What has aged is multiplied by `rest_gain` (1 unless the contact has).
     #[inline]
     pub fn level(&self, u: D, rest_gain: Option<D>) -> (D, D) {
-        let Some(scale) = self.speed else {
-            return (self.kinetic, D::constant(0.0));
+        let kinetic = match (self.aged, rest_gain) {
+            (Aged::Whole, Some(gain)) => self.kinetic * gain,
+            _ => self.kinetic,
         };
+        let flat = (kinetic, D::constant(0.0));
+        let Some(scale) = self.speed else { return flat };
         let at_rest = rest_gain.map_or(self.at_rest, |gain| self.at_rest * gain);
         let Some((power, slope)) = self.power(u / scale) else {
-            return (self.kinetic, D::constant(0.0));
+            return flat;
         };
         // g = k + (s - k) exp(-X)
-        let fade = (at_rest - self.kinetic) * (-power).exp();
-        (self.kinetic + fade, -fade * slope / scale)
+        let fade = (at_rest - kinetic) * (-power).exp();
+        (kinetic + fade, -fade * slope / scale)
     }
 
     /// X = x^p and dX/dx at a ratio of speeds x; `None` where exp(-X) is nothing.
@@ -94,6 +110,7 @@ impl<D: Scalar> StribeckCurve<D> {
                 Exponent::Half => Exponent::Half,
                 Exponent::General(p) => Exponent::General(p.value()),
             },
+            aged: self.aged,
         }
     }
 }

@@ -11,7 +11,7 @@
 //! ```
 
 use crate::law::{CosinePlacement, Drive, Law};
-use crate::{Exponent, Scalar, StribeckCurve};
+use crate::{Aged, Exponent, Scalar, StribeckCurve};
 
 /// Parameters on which the rate depends: kinetic level, level at rest, speed scale, exponent, lean, Coulomb asymmetry.
 const OF_THE_RATE: usize = 6;
@@ -190,7 +190,7 @@ impl Law<f64> {
 
     #[inline(always)]
     fn rate_at(&self, z: f64, drive: &Drive<f64>, lever: &Lever) -> RateSlopes {
-        let turned = self.asymmetry.filter(|_| drive.sign < 0.0);
+        let turned = self.asymmetry.filter(|a| drive.sign < 0.0 && !a.jumps);
         let factor = turned.map_or(1.0, |a| a.coulomb + 1.0);
         let curve = self
             .curve
@@ -232,8 +232,12 @@ impl Law<f64> {
         let turned = self.asymmetry.filter(|_| drive.sign < 0.0);
         let factor = turned.map_or(1.0, |a| a.viscous + 1.0);
         let viscous = self.viscous * factor;
-        let losses = self.damping * r.rate + viscous * w;
-        let elastic = self.stiffness * z;
+        // a force that jumps with the direction: sigma0 and sigma1 on this side of zero
+        let jumping = turned.filter(|a| a.jumps);
+        let bristles = jumping.map_or(1.0, |a| a.coulomb + 1.0);
+        let (stiffness, damping) = (self.stiffness * bristles, self.damping * bristles);
+        let losses = damping * r.rate + viscous * w;
+        let elastic = stiffness * z;
         // T and P of E7, and what turns with the bristle
         let all = self
             .lean
@@ -244,14 +248,17 @@ impl Law<f64> {
             (1.0, elastic)
         };
         let by_lever = turning * lever.projection_z + p * viscous * drive.velocity * lever.gear_z;
-        let scaled = p * self.damping;
+        let scaled = p * damping;
         let mut law = r.law.map(|slope| scaled * slope);
+        if jumping.is_some() {
+            law[5] = self.stiffness * z * lever.projection + p * self.damping * r.rate;
+        }
         if self.lean.is_some() {
             law[4] += by_lever;
         }
         let along_the_rate = RateSlopes {
             rate: turning * lever.projection + if all { 0.0 } else { losses },
-            z: self.stiffness * lever.projection + scaled * r.z + by_lever,
+            z: stiffness * lever.projection + scaled * r.z + by_lever,
             velocity: scaled * r.velocity + p * viscous * lever.gear,
             curve_speed: scaled * r.curve_speed,
             rest_gain: scaled * r.rest_gain,
@@ -260,8 +267,8 @@ impl Law<f64> {
         let by_asymmetry = turned.map_or(0.0, |_| p * self.viscous * w);
         let own = [
             by_asymmetry,
-            z * lever.projection,
-            p * r.rate,
+            bristles * z * lever.projection,
+            bristles * p * r.rate,
             p * factor * w,
         ];
         (
@@ -277,30 +284,36 @@ impl Law<f64> {
 impl StribeckCurve<f64> {
     #[inline(always)]
     fn slopes(&self, u: f64, rest_gain: Option<f64>) -> LevelSlopes {
+        let gain = rest_gain.unwrap_or(1.0);
+        // what the kinetic level is multiplied by, and its slope by the gain
+        let (share, of_gain) = match self.aged {
+            Aged::Whole => (gain, self.kinetic),
+            Aged::StaticLevel => (1.0, 0.0),
+        };
+        let kinetic = self.kinetic * share;
         let flat = LevelSlopes {
-            level: self.kinetic,
+            level: kinetic,
             speed: 0.0,
-            rest_gain: 0.0,
-            curve: [1.0, 0.0, 0.0, 0.0],
+            rest_gain: of_gain,
+            curve: [share, 0.0, 0.0, 0.0],
         };
         let Some(scale) = self.speed else { return flat };
         let x = u / scale;
         let Some((power, slope)) = self.power(x) else {
             return flat;
         };
-        let gain = rest_gain.unwrap_or(1.0);
         let exp = (-power).exp();
-        let fade = (self.at_rest * gain - self.kinetic) * exp;
+        let fade = (self.at_rest * gain - kinetic) * exp;
         let speed = -fade * slope / scale;
         let exponent = match self.exponent {
             Exponent::General(_) if x > 0.0 => -fade * power * x.ln(),
             _ => 0.0,
         };
         LevelSlopes {
-            level: self.kinetic + fade,
+            level: kinetic + fade,
             speed,
-            rest_gain: self.at_rest * exp,
-            curve: [1.0 - exp, gain * exp, -speed * x, exponent],
+            rest_gain: of_gain * (1.0 - exp) + self.at_rest * exp,
+            curve: [share * (1.0 - exp), gain * exp, -speed * x, exponent],
         }
     }
 }
@@ -318,8 +331,9 @@ mod tests {
         Dual::from_re(value).derivative(lane)
     }
 
-    /// Leaning bristles with every parameter and everything that drives them on a lane of its own.
-    fn law(exponent: Exponent<Dual>, placement: CosinePlacement) -> Law<Dual> {
+    /// Leaning bristles with every parameter and everything that drives them on a lane of its own; `other`: with the other forms of
+    /// asymmetry and ageing.
+    fn law(exponent: Exponent<Dual>, placement: CosinePlacement, other: bool) -> Law<Dual> {
         let p: Vec<Dual> = [0.5, 0.62, 1.5, 0.1, 0.01, 1.5, -0.3]
             .iter()
             .enumerate()
@@ -333,7 +347,13 @@ mod tests {
         law.asymmetry = Some(crate::Asymmetry {
             coulomb: seeded(0.2, 8),
             viscous: seeded(-0.1, 9),
+            jumps: other,
         });
+        law.curve.aged = if other {
+            Aged::Whole
+        } else {
+            Aged::StaticLevel
+        };
         law
     }
 
@@ -347,8 +367,9 @@ mod tests {
         ];
         let places = [CosinePlacement::AllTerms, CosinePlacement::StiffnessOnly];
         let largest = |d: &Dual| d.eps.0.map_or(0.0, |e| e.amax());
-        for (exponent, placement) in exponents.iter().flat_map(|e| places.map(|p| (*e, p))) {
-            let law = law(exponent, placement);
+        let forms = exponents.iter().flat_map(|e| places.map(|p| (*e, p)));
+        for (exponent, placement, other) in forms.flat_map(|(e, p)| [(e, p, false), (e, p, true)]) {
+            let law = law(exponent, placement, other);
             let followed = Followed::new(&law);
             for (v, u, z) in [(0.004, 0.006, 0.1), (-0.02, 0.01, -0.3), (0.3, 0.3, 0.2)] {
                 let drive = Drive {

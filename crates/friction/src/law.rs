@@ -43,10 +43,13 @@ pub struct Lean<D> {
 /// Reverse friction over forward friction, less one, for the Coulomb and the viscous part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Asymmetry<D> {
-    /// Ratio of the levels g, less one.
+    /// Ratio of the levels g, less one; with [`Asymmetry::jumps`] that of the bristles' own force sigma0 z + sigma1 z'.
     pub coulomb: D,
     /// Ratio of the viscous coefficients, less one.
     pub viscous: D,
+    /// Whether the force itself differs by direction and jumps where the motion turns, rather than the level to which the bristles bend
+    /// (no difference for static laws).
+    pub jumps: bool,
 }
 
 /// What drives a law at one instant.
@@ -247,26 +250,39 @@ impl<D: Scalar> Law<D> {
             asymmetry: self.asymmetry.map(|a| Asymmetry {
                 coulomb: a.coulomb.value(),
                 viscous: a.viscous.value(),
+                jumps: a.jumps,
             }),
             sign_width: self.sign_width,
         }
     }
 
-    /// (factor on the level, factor on the viscous part) for this side of zero.
+    /// How friction on this side of zero differs from that on the other.
     #[inline]
-    fn direction_factors(&self, sign: f64) -> Option<(D, D)> {
-        match self.asymmetry {
-            Some(a) if sign < 0.0 => Some((a.coulomb + 1.0, a.viscous + 1.0)),
-            _ => None,
-        }
+    fn turned(&self, sign: f64) -> Option<Asymmetry<D>> {
+        self.asymmetry.filter(|_| sign < 0.0)
     }
 
     #[inline(always)]
     fn level(&self, u: D, drive: &Drive<D>) -> (D, D) {
         let (level, slope) = self.curve.level(u, drive.rest_gain);
-        match self.direction_factors(drive.sign) {
-            Some((factor, _)) => (level * factor, slope * factor),
-            None => (level, slope),
+        match self.turned(drive.sign) {
+            Some(a) if !(a.jumps && self.is_dynamic()) => {
+                let factor = a.coulomb + 1.0;
+                (level * factor, slope * factor)
+            }
+            _ => (level, slope),
+        }
+    }
+
+    /// sigma0 and sigma1 on this side of zero.
+    #[inline(always)]
+    fn bristles(&self, sign: f64) -> (D, D) {
+        match self.turned(sign) {
+            Some(a) if a.jumps => {
+                let factor = a.coulomb + 1.0;
+                (self.stiffness * factor, self.damping * factor)
+            }
+            _ => (self.stiffness, self.damping),
         }
     }
 
@@ -374,8 +390,9 @@ impl<D: Scalar> Law<D> {
         }
         let k = self.kinematics(z, drive);
         let rate = k.rate * (-(z * drive.sign) / k.level + 1.0);
-        let losses = self.damping * rate + self.viscous_of(drive.sign) * k.rate;
-        let elastic = self.stiffness * z;
+        let (stiffness, damping) = self.bristles(drive.sign);
+        let losses = damping * rate + self.viscous_of(drive.sign) * k.rate;
+        let elastic = stiffness * z;
         let mu = match &self.lean {
             None => elastic + losses,
             Some(lean) => match lean.placement {
@@ -388,8 +405,8 @@ impl<D: Scalar> Law<D> {
 
     #[inline(always)]
     fn viscous_of(&self, sign: f64) -> D {
-        match self.direction_factors(sign) {
-            Some((_, factor)) => self.viscous * factor,
+        match self.turned(sign) {
+            Some(a) => self.viscous * (a.viscous + 1.0),
             None => self.viscous,
         }
     }
@@ -425,10 +442,11 @@ impl<D: Scalar> Law<D> {
         let (rate, rate_z, rate_v, rate_curve) = Self::rate_slopes(&k, z, drive);
         let viscous = self.viscous_of(drive.sign);
         let along_v = rate_v + rate_curve * drive.sign;
-        let losses = self.damping * rate + viscous * k.rate;
-        let losses_z = self.damping * rate_z + viscous * drive.velocity * k.gear_z;
-        let losses_v = self.damping * along_v + viscous * k.gear;
-        let elastic = self.stiffness * z;
+        let (stiffness, damping) = self.bristles(drive.sign);
+        let losses = damping * rate + viscous * k.rate;
+        let losses_z = damping * rate_z + viscous * drive.velocity * k.gear_z;
+        let losses_v = damping * along_v + viscous * k.gear;
+        let elastic = stiffness * z;
         let all = self
             .lean
             .as_ref()
@@ -437,13 +455,13 @@ impl<D: Scalar> Law<D> {
         let (mu, mu_z, mu_v) = if all {
             (
                 (elastic + losses) * p,
-                (self.stiffness + losses_z) * p + (elastic + losses) * p_z,
+                (stiffness + losses_z) * p + (elastic + losses) * p_z,
                 losses_v * p,
             )
         } else {
             (
                 elastic * p + losses,
-                self.stiffness * p + elastic * p_z + losses_z,
+                stiffness * p + elastic * p_z + losses_z,
                 losses_v,
             )
         };

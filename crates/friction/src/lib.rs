@@ -21,7 +21,7 @@ pub mod radau;
 mod scalar;
 mod stretch;
 
-pub use curve::{Exponent, StribeckCurve};
+pub use curve::{Aged, Exponent, StribeckCurve};
 pub use ensemble::{Ensemble, EnsembleError};
 pub use gradient::Followed;
 pub use integrate::{IntegrationError, Reals, Record, integrate, linear_stretches};

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use friction::{IntegrationError, Record, Scalar};
+use friction::{Aged, IntegrationError, Record, Scalar};
 
 use crate::contact::Walks;
 use crate::cord::{Corded, tension};
@@ -57,6 +57,19 @@ impl<D: ChainScalar> Pass<'_, D> {
             .iter()
             .zip(&self.active)
             .any(|(cause, &active)| active && cause.reach() == reach)
+    }
+
+    /// What rest makes larger: the whole curve where one of the effects says so.
+    fn aged(&self) -> Aged {
+        let effects = self.model.effects.iter().zip(&self.active);
+        let whole = effects
+            .filter(|(_, active)| **active)
+            .any(|(cause, _)| cause.reach() == Reach::RestGain && cause.aged() == Aged::Whole);
+        if whole {
+            Aged::Whole
+        } else {
+            Aged::StaticLevel
+        }
     }
 
     fn run(
@@ -115,6 +128,7 @@ impl<D: ChainScalar> Pass<'_, D> {
             speed
         });
         let rest_gain = self.acts(Reach::RestGain).then(|| {
+            law.curve.aged = self.aged();
             let mut gain = vec![D::constant(1.0); motion.len()];
             self.in_place(Reach::RestGain, motion, &mut gain, |gain| Hook::RestGain {
                 gain,

@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use friction::{Law, LawKind, ParameterSpec, Scalar};
+use friction::{Aged, Law, LawKind, ParameterSpec, Scalar};
 use num_dual::DualSVec64;
 
 use crate::{Coupling, Experiment, RunMotion, Station};
@@ -20,7 +20,7 @@ pub enum Reach {
     Law,
     /// The speed at which the Stribeck curve is read ([`Cause::curve_speed`]).
     CurveSpeed,
-    /// The static level ([`Cause::rest_gain`]).
+    /// The static level, or the whole Stribeck curve ([`Cause::rest_gain`], [`Cause::aged`]).
     RestGain,
     /// What holds the specimen ([`Cause::coupling`]).
     Coupling,
@@ -318,7 +318,12 @@ pub trait Cause: Hooks {
     {
     }
 
-    /// [`Reach::RestGain`]: multiplies the factor on the static level, from each sample to the next.
+    /// [`Reach::RestGain`]: what of the Stribeck curve the gain multiplies.
+    fn aged(&self) -> Aged {
+        Aged::StaticLevel
+    }
+
+    /// [`Reach::RestGain`]: multiplies the factor on what has aged, from each sample to the next.
     fn rest_gain<D: Scalar>(&self, _p: &[D], _at: Place<'_>, _gain: &mut [D])
     where
         Self: Sized,

@@ -164,7 +164,9 @@ impl Contact<'_> {
                 Effect::DirectionAsymmetry {
                     coulomb_ratio_minus_1,
                     viscous_ratio_minus_1,
+                    jumps,
                 } => {
+                    around.jumps = jumps;
                     around.reverse_factors =
                         (1.0 + coulomb_ratio_minus_1, 1.0 + viscous_ratio_minus_1);
                 }
@@ -175,9 +177,15 @@ impl Contact<'_> {
                         Ageing::WithTheRun => 1.0,
                         Ageing::InTurning if self.inside_s < self.plan.motion.turns_at_s() => 1.0,
                         Ageing::InTurning => 0.0,
-                        Ageing::Fading(length_m) => (-slid_m / length_m).exp(),
+                        Ageing::Fading(length_m) | Ageing::Grown(length_m) => {
+                            (-slid_m / length_m).exp()
+                        }
                     };
-                    around.breakaway_factor *= 1.0 + per_decade * rest_s.log10() * left;
+                    let factor = match ends {
+                        Ageing::Grown(_) => &mut around.grown_factor,
+                        _ => &mut around.breakaway_factor,
+                    };
+                    *factor *= 1.0 + per_decade * rest_s.log10() * left;
                 }
                 _ => {}
             }

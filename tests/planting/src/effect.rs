@@ -49,7 +49,7 @@ pub enum Clock {
     Day,
 }
 
-/// How long what the level at rest has gained is there.
+/// How long what rest has added to the level at rest is there.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Ageing {
@@ -59,6 +59,8 @@ pub enum Ageing {
     InTurning,
     /// Sliding over this distance, m, leaves a share of 1/e.
     Fading(f64),
+    /// The same, and the levels at all speeds have gained.
+    Grown(f64),
 }
 
 /// Which filter a channel has.
@@ -153,10 +155,12 @@ pub enum Effect {
     ForceResolution { step_n: f64 },
     /// The force channel lags by a pure delay.
     ClockOffset { delay_s: f64 },
-    /// Friction in reverse differs from forward by these ratios.
+    /// Friction in reverse differs from forward by these ratios; `jumps`: the bristles' force itself does, rather than the level to
+    /// which they bend.
     DirectionAsymmetry {
         coulomb_ratio_minus_1: f64,
         viscous_ratio_minus_1: f64,
+        jumps: bool,
     },
     /// The Stribeck curve sees the speed of a while ago (time) or of a distance ago; `of_magnitude`: its magnitude.
     FrictionalMemory {
@@ -260,6 +264,7 @@ impl Effect {
             | Self::SurfaceTexture { wave, .. }
             | Self::LoadOscillation { wave, .. } => *wave == Wave::Sine,
             Self::DwellAgeing { ends, .. } => *ends == Ageing::WithTheRun,
+            Self::DirectionAsymmetry { jumps, .. } => !jumps,
             Self::CordCompliance { hardening_m, .. } => hardening_m.is_none(),
             Self::Wear { course, .. } => *course == Course::Saturating,
             Self::ThermalSoftening { levels_off, .. } => !levels_off,
@@ -358,6 +363,7 @@ impl Effect {
             Self::DirectionAsymmetry {
                 coulomb_ratio_minus_1,
                 viscous_ratio_minus_1,
+                ..
             } => {
                 vec![
                     ("coulomb_ratio_minus_1", coulomb_ratio_minus_1),

@@ -68,12 +68,16 @@ pub struct Surroundings {
     pub lean_rad: f64,
     /// Factor on the level at rest.
     pub breakaway_factor: f64,
+    /// Factor on the levels at any speed.
+    pub grown_factor: f64,
     /// Added to the exponent 2 of the Stribeck curve.
     pub exponent_minus_2: f64,
     /// Speed that the Stribeck curve sees, if it is not the slip speed.
     pub remembered_speed: Option<f64>,
     /// Factors on Coulomb and viscous parts while sliding in reverse (forward they are one).
     pub reverse_factors: (f64, f64),
+    /// The first of them is one on the bristles' force, which jumps where the motion turns, instead of one on the level.
+    pub jumps: bool,
 }
 
 impl Surroundings {
@@ -81,9 +85,11 @@ impl Surroundings {
     pub const PLAIN: Self = Self {
         lean_rad: 0.0,
         breakaway_factor: 1.0,
+        grown_factor: 1.0,
         exponent_minus_2: 0.0,
         remembered_speed: None,
         reverse_factors: (1.0, 1.0),
+        jumps: false,
     };
 }
 
@@ -104,12 +110,20 @@ impl Law {
         }
     }
 
+    fn has_state(&self) -> bool {
+        !matches!(self, Self::Stribeck(_) | Self::CoulombViscous(_))
+    }
+
     /// (rate of the inner state, coefficient) at inner state `z` and slip speed `v`.
     pub fn evaluate(&self, z: f64, v: f64, around: &Surroundings) -> (f64, f64) {
         let (coulomb_factor, viscous_factor) = if v < 0.0 {
             around.reverse_factors
         } else {
             (1.0, 1.0)
+        };
+        let (level_factor, force_factor) = match around.jumps && self.has_state() {
+            true => (around.grown_factor, coulomb_factor),
+            false => (around.grown_factor * coulomb_factor, 1.0),
         };
         let seen = around.remembered_speed.unwrap_or(v);
         match self {
@@ -120,7 +134,7 @@ impl Law {
                 let w = v / b.height_m * cos2;
                 // g = theta_c + (theta_s - theta_c) exp(-|w/w_sc|^2)                (E5)
                 let rest = b.theta_s * around.breakaway_factor - b.theta_c;
-                let g = coulomb_factor
+                let g = level_factor
                     * (b.theta_c
                         + rest
                             * stribeck(seen / b.height_m * cos2 / b.w_sc, around.exponent_minus_2));
@@ -129,30 +143,33 @@ impl Law {
                 // mu = (sigma0 theta + sigma1 theta' + sigma2 w) cos^2              (E7)
                 (
                     rate,
-                    (b.sigma0 * z + b.sigma1 * rate + viscous_factor * b.sigma2 * w) * cos2,
+                    (force_factor * (b.sigma0 * z + b.sigma1 * rate)
+                        + viscous_factor * b.sigma2 * w)
+                        * cos2,
                 )
             }
             Self::Lugre(d) => {
                 // z' = v - s0 |v| z / g,  F = s0 z + s1 z' + s2 v
-                let g = coulomb_factor * d.level(seen, around);
+                let g = level_factor * d.level(seen, around);
                 let rate = v - d.stiffness * v.abs() * z / g;
                 (
                     rate,
-                    d.stiffness * z + d.damping * rate + viscous_factor * d.viscous * v,
+                    force_factor * (d.stiffness * z + d.damping * rate)
+                        + viscous_factor * d.viscous * v,
                 )
             }
             Self::Dahl(d) => {
                 // z' = v (1 - s0 z sgn v / F_c),  F = s0 z
-                let rate = v - d.stiffness * v.abs() * z / (coulomb_factor * d.coulomb);
-                (rate, d.stiffness * z)
+                let rate = v - d.stiffness * v.abs() * z / (level_factor * d.coulomb);
+                (rate, force_factor * d.stiffness * z)
             }
             Self::Stribeck(d) => {
-                let level = coulomb_factor * d.level(seen, around);
+                let level = level_factor * d.level(seen, around);
                 (0.0, sign(v) * level + viscous_factor * d.viscous * v)
             }
             Self::CoulombViscous(d) => (
                 0.0,
-                sign(v) * coulomb_factor * d.coulomb + viscous_factor * d.viscous * v,
+                sign(v) * level_factor * d.coulomb + viscous_factor * d.viscous * v,
             ),
         }
     }

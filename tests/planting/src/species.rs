@@ -48,7 +48,7 @@ pub const ALIENS: [&str; 6] = [
 ];
 
 /// Causes that can be planted in a second shape.
-pub const SECOND_SHAPES: [&str; 12] = [
+pub const SECOND_SHAPES: [&str; 13] = [
     "stage-ripple",
     "cord-compliance",
     "bristle-set",
@@ -57,6 +57,7 @@ pub const SECOND_SHAPES: [&str; 12] = [
     "surface-texture",
     "load-oscillation",
     "sensor-lag",
+    "direction-asymmetry",
     "frictional-memory",
     "dwell-ageing",
     "backlash",
@@ -203,6 +204,7 @@ pub fn draw(
         "direction-asymmetry" => Effect::DirectionAsymmetry {
             coulomb_ratio_minus_1: (1.0 + 0.1 * size).powf(sign) - 1.0,
             viscous_ratio_minus_1: (1.0 + 0.2 * size).powf(sign) - 1.0,
+            jumps: second,
         },
         "frictional-memory" => {
             if second {
@@ -223,6 +225,7 @@ pub fn draw(
             per_decade: 0.06 * size,
             ends: match (second, sign > 0.0) {
                 (false, _) => Ageing::WithTheRun,
+                (true, true) if share < 0.5 => Ageing::Grown(5.0 * scales.build_up_m),
                 (true, true) => Ageing::Fading(5.0 * scales.build_up_m),
                 (true, false) => Ageing::InTurning,
             },

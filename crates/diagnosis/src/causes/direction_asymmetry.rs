@@ -1,9 +1,12 @@
-//! Reverse friction over forward friction, less one, for the Coulomb part (the level g) and the viscous part (sigma2).
+//! Reverse friction over forward friction, less one, for the Coulomb part and the viscous part (sigma2). The Coulomb part is the level g, to
+//! which the bristles bend anew after a reversal, or their force sigma0 z + sigma1 z' itself, which jumps there.
 
-use friction::{Asymmetry, ParameterSpec, Scalar, Law};
+use friction::{Asymmetry, Law, ParameterSpec, Scalar};
 use rig::{Cause, Place, Reach, Requirement, Station};
 
-/// Friction differs by direction.
+use super::marker;
+
+/// The level of friction differs by direction.
 #[derive(Clone, Copy, Debug)]
 pub struct DirectionAsymmetry;
 
@@ -42,6 +45,29 @@ impl Cause for DirectionAsymmetry {
     }
 
     fn law<D: Scalar>(&self, p: &[D], _at: Place<'_>, law: &mut Law<D>, _memory: &mut [D]) {
-        law.asymmetry = Some(Asymmetry { coulomb: p[0], viscous: p[1] });
+        law.asymmetry = Some(Asymmetry { coulomb: p[0], viscous: p[1], jumps: false });
+    }
+}
+
+/// The force itself differs by direction and jumps where the motion turns.
+#[derive(Clone, Copy, Debug)]
+pub struct JumpingAsymmetry;
+
+/// Beside the ratios, what tells this form from the plain one in a file.
+const JUMPS: &str = "jumps_in_turning";
+
+impl Cause for JumpingAsymmetry {
+    marker::marked_form!(DirectionAsymmetry, "jumps where the motion turns", JUMPS);
+
+    fn sizes(&self) -> &'static [usize] {
+        DirectionAsymmetry.sizes()
+    }
+
+    fn requirements(&self) -> &'static [Requirement] {
+        &[Requirement::BothDirections, Requirement::Reversals]
+    }
+
+    fn law<D: Scalar>(&self, p: &[D], _at: Place<'_>, law: &mut Law<D>, _memory: &mut [D]) {
+        law.asymmetry = Some(Asymmetry { coulomb: p[0], viscous: p[1], jumps: true });
     }
 }

@@ -1,10 +1,13 @@
 //! The static level grows with rest: s (1 + b log10(rest/1 s)) for rests above 1 s, b per decade. The rest is that before the
 //! run; a stand of the stage inside a run counts from its end on. What came before the first run is not recorded: it is
 //! taken as the median of the other rests. What was gained lasts for the motion, or is lost where the motion turns, or sliding wears it
-//! off: then b fades as exp(-x/d), x the distance slid since the stand (m), d a distance (m).
+//! off: then b fades as exp(-x/d), x the distance slid since the stand (m), d a distance (m). A contact that has itself grown with rest
+//! has a higher kinetic level too, until sliding has worn it off.
 
-use friction::{LawKind, ParameterSpec, Scalar};
-use rig::{Cause, Experiment, Place, Reach, Requirement, Station};
+use std::collections::BTreeMap;
+
+use friction::{Aged, LawKind, ParameterSpec, Scalar};
+use rig::{Cause, Experiment, Place, Reach, Reported, Requirement, Station};
 
 use super::{grids, marker};
 
@@ -164,6 +167,68 @@ impl Cause for FadingAgeing {
         for (gain, since) in gain.iter_mut().zip(last_stand(at)) {
             *gain *= p[0] * (-(rate * since.slid_m)).exp() * since.rest_s.max(1.0).log10() + 1.0;
         }
+    }
+}
+
+/// The contact has grown: the Stribeck curve as a whole is higher, until sliding wears it off.
+#[derive(Clone, Copy, Debug)]
+pub struct GrownContact;
+
+/// Beside growth and distance, what tells this form from the one of the static level in a file.
+const WHOLE: &str = "of_the_whole_curve";
+
+impl Cause for GrownContact {
+    fn id(&self) -> &'static str {
+        DwellAgeing.id()
+    }
+
+    fn variant(&self) -> Option<&'static str> {
+        Some("of the whole curve, worn off by sliding")
+    }
+
+    fn station(&self) -> Station {
+        DwellAgeing.station()
+    }
+
+    fn reach(&self) -> Reach {
+        Reach::RestGain
+    }
+
+    fn aged(&self) -> Aged {
+        Aged::Whole
+    }
+
+    fn describe(&self) -> &'static str {
+        DESCRIPTION
+    }
+
+    fn parameters(&self) -> &'static [ParameterSpec] {
+        FADING
+    }
+
+    fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
+        FadingAgeing.parameters_for(experiment)
+    }
+
+    fn requirements(&self) -> &'static [Requirement] {
+        FadingAgeing.requirements()
+    }
+
+    fn shape_grid(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+        FadingAgeing.shape_grid(experiment)
+    }
+
+    fn reported(&self, fitted: &[f64]) -> Vec<Reported> {
+        marker::marked(FadingAgeing.reported(fitted), WHOLE)
+    }
+
+    fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
+        marker::demanded(reported, WHOLE)?;
+        FadingAgeing.from_reported(reported)
+    }
+
+    fn rest_gain<D: Scalar>(&self, p: &[D], at: Place<'_>, gain: &mut [D]) {
+        FadingAgeing.rest_gain(p, at, gain);
     }
 }
 

@@ -41,9 +41,9 @@ catalogue! {
     force_saturation::ForceSaturation;
     force_resolution::ForceResolution;
     clock_offset::ClockOffset;
-    direction_asymmetry::DirectionAsymmetry;
+    direction_asymmetry::DirectionAsymmetry, JumpingAsymmetry;
     frictional_memory::MemoryInTime, MemoryInDistance, MagnitudeInTime, MagnitudeInDistance;
-    dwell_ageing::DwellAgeing, TurnedAgeing, FadingAgeing;
+    dwell_ageing::DwellAgeing, TurnedAgeing, FadingAgeing, GrownContact;
     backlash::Backlash, CarriedBacklash;
     velocity_lag::VelocityLag;
     load_crosstalk::LoadCrosstalk;

@@ -8,7 +8,7 @@ use rig::{Cause, Place, Reach, Station};
 pub struct StribeckShape;
 
 const PARAMETERS: &[ParameterSpec] = &[
-    ParameterSpec::new("exponent_minus_2", "1", "exponent of the Stribeck curve, less two", -1.7, 6.0, 0.5).with_null(0.0),
+    ParameterSpec::new("exponent_minus_2", "1", "exponent of the Stribeck curve, less two", -1.7, 12.0, 0.5).with_null(0.0),
 ];
 
 impl Cause for StribeckShape {

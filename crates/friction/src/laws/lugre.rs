@@ -2,7 +2,7 @@
 //! z' = v - sigma0 abs(v) z / g(v), mu = sigma0 z + sigma1 z' + sigma2 v, g = mu_c + (mu_s - mu_c) exp(-(v/v_s)^2).
 
 use crate::law::SIGN_WIDTH;
-use crate::{Exponent, Law, LawKind, ParameterSpec, Scalar, StribeckCurve};
+use crate::{Aged, Exponent, Law, LawKind, ParameterSpec, Scalar, StribeckCurve};
 
 pub(crate) const PARAMETERS: &[ParameterSpec] = &[
     ParameterSpec::new("mu_c", "1", "kinetic coefficient", 1e-6, 1e3, 0.3),
@@ -21,6 +21,7 @@ pub(crate) fn build<D: Scalar>(p: &[D]) -> Law<D> {
             at_rest: p[1] / p[3],
             speed: Some(p[2]),
             exponent: Exponent::Two,
+            aged: Aged::StaticLevel,
         },
         stiffness: p[3],
         damping: p[4],

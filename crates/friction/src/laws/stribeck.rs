@@ -1,7 +1,7 @@
 //! Stribeck friction without a state: mu = (mu_c + (mu_s - mu_c) exp(-(v/v_s)^2)) tanh(v/width) + sigma2 v.
 
 use crate::law::SIGN_WIDTH;
-use crate::{Exponent, Law, LawKind, ParameterSpec, Scalar, StribeckCurve};
+use crate::{Aged, Exponent, Law, LawKind, ParameterSpec, Scalar, StribeckCurve};
 
 pub(crate) const PARAMETERS: &[ParameterSpec] = &[
     ParameterSpec::new("mu_c", "1", "kinetic coefficient", 1e-6, 1e3, 0.3),
@@ -18,6 +18,7 @@ pub(crate) fn build<D: Scalar>(p: &[D]) -> Law<D> {
             at_rest: p[1],
             speed: Some(p[2]),
             exponent: Exponent::Two,
+            aged: Aged::StaticLevel,
         },
         stiffness: D::constant(0.0),
         damping: D::constant(0.0),

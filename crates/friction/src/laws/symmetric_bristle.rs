@@ -1,7 +1,9 @@
 //! Upright bristles: E1-E7 with theta0 = 0 (E8).
 
 use crate::law::SIGN_WIDTH;
-use crate::{CosinePlacement, Exponent, Law, LawKind, Lean, ParameterSpec, Scalar, StribeckCurve};
+use crate::{
+    Aged, CosinePlacement, Exponent, Law, LawKind, Lean, ParameterSpec, Scalar, StribeckCurve,
+};
 
 pub(crate) const THETA_C: ParameterSpec = ParameterSpec::new(
     "theta_c_over_sigma",
@@ -39,6 +41,7 @@ pub(crate) fn build<D: Scalar>(p: &[D], height_m: f64) -> Law<D> {
             at_rest: p[1],
             speed: Some(p[5]),
             exponent: Exponent::Two,
+            aged: Aged::StaticLevel,
         },
         stiffness: p[2],
         damping: p[3],
