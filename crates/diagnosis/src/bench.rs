@@ -78,6 +78,18 @@ impl Fitted {
         self.paths.get_or_init(|| walk().1)
     }
 
+    /// The parameters with others in the place of the k-th cause's own.
+    pub(crate) fn with_own(&self, k: usize, own: &[f64]) -> Vec<f64> {
+        let mut parameters = self.parameters.clone();
+        parameters.splice(self.model.span(k), own.iter().copied());
+        parameters
+    }
+
+    /// The parameters without those of the k-th cause.
+    pub(crate) fn without(&self, k: usize) -> Vec<f64> {
+        self.with_own(k, &[])
+    }
+
     /// Whether the model holds a cause, in this form or another one.
     pub(crate) fn names(&self, bench: &Bench<'_>, cause: usize) -> bool {
         let id = bench.catalogue[cause].id();

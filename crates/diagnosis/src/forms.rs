@@ -51,22 +51,15 @@ fn in_place(
     form: usize,
 ) -> Option<Fitted> {
     let fitted = &stand.fitted;
-    let span = fitted.model.span(k);
     let mut effects = fitted.effects.clone();
     effects[k] = form;
     let model = bench.model(&effects)?;
-    let with = |own: &[f64]| {
-        let mut start = fitted.parameters[..span.start].to_vec();
-        start.extend_from_slice(own);
-        start.extend_from_slice(&fitted.parameters[span.end..]);
-        start
-    };
     let context = subset.context_of(bench, fitted);
     let whitener = stand.whitener.with_scatter(&context, likely_scatter(stand));
     let mut starts: Vec<(f64, Vec<f64>)> = bench.catalogue[form]
         .starts(&bench.experiment)
         .iter()
-        .map(|own| with(own))
+        .map(|own| fitted.with_own(k, own))
         .map(|start| {
             let prediction = model.predict(&bench.experiment, &start);
             let misses = prediction.iter().zip(&fitted.prediction);

@@ -8,13 +8,10 @@
 //! explained = (before^2 - after^2) / (before^2 - floor^2)                                              (D4)
 //! ```
 //!
-//! with an interval from the differences between runs (Student's t over runs), and a placebo: the fitted effect with
-//! its course along each run scrambled, fitted and judged in the same folds, by errors weighed by the noise and the fold's own
-//! doubt (`weighed.rs`) where nothing is left unexplained.
+//! with an interval from the differences between runs (Student's t over runs), and a placebo (`scrambled.rs`), judged by errors weighed by
+//! the noise and the fold's own doubt (`weighed.rs`) where nothing is left unexplained.
 
-use nalgebra::{DMatrix, DVector};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::answer::{Diagnosis, Gain};
@@ -22,16 +19,14 @@ use crate::bench::{Bench, Fitted};
 use crate::folds::folds;
 use crate::ground::orthonormal;
 use crate::judged::{Errors, Judged};
-use crate::look_back::{bare, without};
+use crate::look_back::bare;
 use crate::scan::is_shift;
+use crate::scrambled::{placebos, scrambled};
 use crate::selection::{Depth, Selected, Warm, law_alone, likely_scatter, select};
 use crate::stand::Stand;
 use crate::subset::Subset;
 use crate::weighed::{Weighed, beside_repeats};
 use crate::whole::Whole;
-
-/// Scrambled extensions that a gain must beat.
-const PLACEBOS: usize = 19;
 
 /// Outcome of one fold.
 pub(crate) struct Fold {
@@ -275,7 +270,7 @@ fn fold(bench: &Bench<'_>, whole: &Whole<'_>, held: &[usize], asked: &Asked) -> 
                 .whitener
                 .with_scatter(&context, own.stand.sizes.scatter);
             bench
-                .fit(subset, &rest, &without(full, k), &whitener, None, 12)
+                .fit(subset, &rest, &full.without(k), &whitener, None, 12)
                 .map(|fit| whole.prediction(&fit))
         })
         .collect();
@@ -285,7 +280,7 @@ fn fold(bench: &Bench<'_>, whole: &Whole<'_>, held: &[usize], asked: &Asked) -> 
         law: whole.prediction(&reference),
         extended: whole.prediction(full),
         named: instead(bench, whole, &own, warm, named),
-        placebos: placebos(bench, &own, &reference, asked),
+        placebos: placebos(bench, &own, &reference, &asked.scrambled, *shifted),
         searched: reference.prediction,
         lacking,
         doubt: doubt(&own.stand),
@@ -294,49 +289,12 @@ fn fold(bench: &Bench<'_>, whole: &Whole<'_>, held: &[usize], asked: &Asked) -> 
 
 /// The law that an extension is judged against: the one that was fitted, or, where the names are its own parameters, as a model from
 /// elsewhere states it.
-fn reference(bench: &Bench<'_>, law: &Fitted, shifted: bool) -> Fitted {
+pub(crate) fn reference(bench: &Bench<'_>, law: &Fitted, shifted: bool) -> Fitted {
     if shifted {
         bench.as_stated(law)
     } else {
         law.clone()
     }
-}
-
-/// Predictions with each scrambled effect, fitted by least squares together with the law's own directions (or, where the law stands as it
-/// is stated, alone).
-fn placebos(bench: &Bench<'_>, own: &Selected, reference: &Fitted, asked: &Asked) -> Vec<Vec<f64>> {
-    let (base, subset) = (&own.baseline, &own.subset);
-    let whitened = |column: &[f64]| -> DVector<f64> {
-        let raw = DMatrix::from_column_slice(column.len(), 1, column);
-        base.whiten(subset, &raw).column(0).into_owned()
-    };
-    let (basis, back, residual) = if asked.shifted {
-        let measured = bench.experiment.measured_n.iter();
-        let residual: Vec<f64> = (measured.zip(&reference.prediction))
-            .map(|(y, f)| y - f)
-            .collect();
-        let (rows, parameters) = base.white_jacobian.shape();
-        let (none, back) = (DMatrix::zeros(rows, 0), DMatrix::zeros(parameters, 0));
-        (none, back, whitened(&residual))
-    } else {
-        let (basis, back) = orthonormal(&base.white_jacobian, 1e-9);
-        (basis, back, base.ground.y.clone())
-    };
-    let scrambled = asked.scrambled.iter();
-    let beside = scrambled.map(|effect| {
-        let white = whitened(effect);
-        let along = basis.tr_mul(&white);
-        let free = &white - &basis * &along;
-        let power = free.norm_squared().max(1e-300);
-        let size = free.dot(&residual) / power;
-        let shift = &base.jacobian * (&back * along);
-        let law = reference.prediction.iter();
-        law.zip(effect)
-            .zip(shift.iter())
-            .map(|((p, e), j)| p + size * (e - j))
-            .collect()
-    });
-    beside.collect()
 }
 
 /// The fold's extension, or, where the fold took something else in the stead of all that the whole campaign named, the fold's fit of that.
@@ -377,36 +335,6 @@ fn instead(
 fn doubt(stand: &Stand) -> DMatrix<f64> {
     let white = stand.white_descattered(likely_scatter(stand));
     &stand.jacobian * orthonormal(&white, 1e-9).1
-}
-
-/// The fitted effects with their course along each run shifted round and their sign drawn, from fixed seeds.
-fn scrambled(bench: &Bench<'_>, selected: &Selected, shifted: bool) -> Vec<Vec<f64>> {
-    if selected.stand.fitted.effects.is_empty() {
-        return Vec::new();
-    }
-    let effect: Vec<f64> = selected
-        .stand
-        .fitted
-        .prediction
-        .iter()
-        .zip(&reference(bench, &selected.baseline.fitted, shifted).prediction)
-        .map(|(a, b)| a - b)
-        .collect();
-    (0..PLACEBOS)
-        .map(|p| {
-            let mut rng = ChaCha8Rng::seed_from_u64(0x0b1a_5eed + p as u64);
-            let mut out = effect.clone();
-            for run in &bench.samples.runs {
-                let n = run.len();
-                let shift = rng.random_range(n / 10..n.max(n / 10 + 1));
-                let sign = if rng.random::<f64>() < 0.5 { -1.0 } else { 1.0 };
-                for (place, i) in run.clone().enumerate() {
-                    out[i] = sign * effect[run.start + (place + shift) % n];
-                }
-            }
-            out
-        })
-        .collect()
 }
 
 #[cfg(test)]

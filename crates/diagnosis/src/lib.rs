@@ -49,6 +49,7 @@ mod rises;
 mod samples;
 mod scan;
 mod scatter;
+mod scrambled;
 mod selection;
 mod stand;
 mod starts;

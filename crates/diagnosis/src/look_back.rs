@@ -199,10 +199,7 @@ pub(crate) fn exchange_with_named(
             }
             let mut effects = stand.fitted.effects.clone();
             effects[k] = *cause;
-            let span = stand.fitted.model.span(k);
-            let mut start = stand.fitted.parameters[..span.start].to_vec();
-            start.extend_from_slice(own);
-            start.extend_from_slice(&stand.fitted.parameters[span.end..]);
+            let start = stand.fitted.with_own(k, own);
             let Some(fit) = bench.fit(subset, &effects, &start, &whitener, None, 20) else {
                 continue;
             };
@@ -233,7 +230,7 @@ fn replacement(
     let scatter = likely_scatter(stand);
     let context = subset.context_of(bench, &stand.fitted);
     let whitener = stand.whitener.with_scatter(&context, scatter);
-    let start = without(&stand.fitted, k);
+    let start = stand.fitted.without(k);
     let fit = bench.fit(subset, &rest, &start, &whitener, None, 20)?;
     let beside = Stand::new(bench, subset, fit, stand.sizes);
     let found = scan(bench, subset, &beside, scatter);
@@ -266,7 +263,7 @@ pub(crate) fn drop_idle(
         for k in 0..stand.fitted.effects.len() {
             let mut rest = stand.fitted.effects.clone();
             rest.remove(k);
-            let start = without(&stand.fitted, k);
+            let start = stand.fitted.without(k);
             let Some(fit) = bench.fit(subset, &rest, &start, &whitener, None, 20) else {
                 continue;
             };
@@ -294,7 +291,7 @@ pub(crate) fn bare(bench: &Bench<'_>, fitted: &Fitted, k: usize) -> Option<Fitte
     let mut effects = fitted.effects.clone();
     effects.remove(k);
     let model = bench.model(&effects)?;
-    let parameters = without(fitted, k);
+    let parameters = fitted.without(k);
     let prediction = model.predict(&bench.experiment, &parameters);
     Some(Fitted {
         effects,
@@ -306,12 +303,4 @@ pub(crate) fn bare(bench: &Bench<'_>, fitted: &Fitted, k: usize) -> Option<Fitte
         friction: OnceLock::new(),
         paths: OnceLock::new(),
     })
-}
-
-/// Parameters of a fit with its k-th effect taken out.
-pub(crate) fn without(fitted: &Fitted, k: usize) -> Vec<f64> {
-    let span = fitted.model.span(k);
-    let mut p = fitted.parameters[..span.start].to_vec();
-    p.extend_from_slice(&fitted.parameters[span.end..]);
-    p
 }

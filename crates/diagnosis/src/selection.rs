@@ -15,7 +15,7 @@ use crate::general::Lack;
 use crate::joint::{is_dear, joint_fits, survivors};
 use crate::lateness::{Lateness, looked_up};
 use crate::left::lack;
-use crate::look_back::{drop_idle, exchange_with_named, look_back, without};
+use crate::look_back::{drop_idle, exchange_with_named, look_back};
 use crate::refusal::take_back;
 use crate::scan::{Scan, scan, scan_without, smooth_beside};
 use crate::stand::{Likelihood, Stand};
@@ -356,7 +356,7 @@ fn law_without(bench: &Bench<'_>, subset: &Subset, single: &Stand, base: &Stand)
     let context = subset.context_of(bench, &single.fitted);
     let scatter = likely_scatter(single);
     let whitener = single.whitener.with_scatter(&context, scatter);
-    let law = without(&single.fitted, 0);
+    let law = single.fitted.without(0);
     let fit = bench.fit(subset, &[], &law, &whitener, None, 20)?;
     if single.deviance_of(bench, subset, &fit) - single.deviance > IDLE {
         return None;

@@ -338,8 +338,8 @@ impl<D: Scalar> Solver<'_, D> {
         let (mut t, mut taken) = (stretch.t0, 0);
         while taken < times.len() {
             let from = y.map(|x| x.value());
-            let (h, stages, factorised) = self.step(&real, t, &from)?;
-            let lifted = self.lift(stretch, t, h, &y, &stages, &factorised);
+            let (h, stages) = self.step(&real, t, &from)?;
+            let lifted = self.lift(stretch, &real, (t, h), &y, &stages)?;
             let end = if stretch.t1 - (t + h) <= 1e-9 * h {
                 stretch.t1
             } else {
@@ -367,13 +367,12 @@ impl<D: Scalar> Solver<'_, D> {
     }
 
     /// One accepted step in `f64`.
-    #[allow(clippy::type_complexity)]
     fn step(
         &mut self,
         stretch: &Stretch<f64>,
         t: f64,
         y: &State<f64>,
-    ) -> Result<(f64, [State<f64>; 3], Factorised<6>), IntegrationError> {
+    ) -> Result<(f64, [State<f64>; 3]), IntegrationError> {
         let smallest = SMALLEST * (stretch.t1 - stretch.t0);
         let now = Instant::at(&self.law, stretch, t, y);
         let (rates, slopes) = (now.rhs(y, &self.coupling), now.jacobian(&self.coupling));
@@ -393,7 +392,7 @@ impl<D: Scalar> Solver<'_, D> {
             let h = share * free;
             let last_resort = h <= smallest * 1.01;
             let trial = Trial { stretch, t, h, y };
-            let Some((stages, factorised)) = self.newton(trial) else {
+            let Some(stages) = self.newton(trial) else {
                 if last_resort {
                     return Err(IntegrationError::Diverged { time_s: t });
                 }
@@ -410,7 +409,7 @@ impl<D: Scalar> Solver<'_, D> {
                 } else {
                     next
                 };
-                return Ok((h, stages, factorised));
+                return Ok((h, stages));
             }
             self.step = h * factor.clamp(0.1, 0.9);
         }
@@ -457,7 +456,7 @@ impl<D: Scalar> Solver<'_, D> {
     }
 
     /// Newton's iteration for the stages, from the continued polynomial and, failing that, from where the step begins.
-    fn newton(&self, trial: Trial<'_>) -> Option<([State<f64>; 3], Factorised<6>)> {
+    fn newton(&self, trial: Trial<'_>) -> Option<[State<f64>; 3]> {
         self.iterate(trial, self.predict(trial.h, trial.y))
             .or_else(|| self.iterate(trial, [*trial.y; 3]))
             .or_else(|| self.descend(trial))
@@ -465,7 +464,7 @@ impl<D: Scalar> Solver<'_, D> {
 
     /// Newton's iteration with its steps cut until the residual falls. A static law sticks by a sign that turns within a small
     /// share of the speed: whole steps leap from side to side of it.
-    fn descend(&self, trial: Trial<'_>) -> Option<([State<f64>; 3], Factorised<6>)> {
+    fn descend(&self, trial: Trial<'_>) -> Option<[State<f64>; 3]> {
         let weigh = |r: &[f64; 6]| -> f64 {
             let part = |i: usize| (r[i] / self.size[i / 3]).powi(2);
             (0..6).map(part).sum::<f64>()
@@ -491,7 +490,7 @@ impl<D: Scalar> Solver<'_, D> {
                 return None;
             }
             if share == 1.0 && largest <= NEWTON_TOLERANCE {
-                return Some((self.stages(trial, &at), factorised));
+                return Some(self.stages(trial, &at));
             }
         }
         None
@@ -518,11 +517,7 @@ impl<D: Scalar> Solver<'_, D> {
         (instants, r)
     }
 
-    fn iterate(
-        &self,
-        trial: Trial<'_>,
-        stages: [State<f64>; 3],
-    ) -> Option<([State<f64>; 3], Factorised<6>)> {
+    fn iterate(&self, trial: Trial<'_>, stages: [State<f64>; 3]) -> Option<[State<f64>; 3]> {
         let mut at = unknowns(&stages);
         for _ in 0..NEWTON_LIMIT {
             let (instants, r) = self.balance(trial, &at);
@@ -537,25 +532,29 @@ impl<D: Scalar> Solver<'_, D> {
                 return None;
             }
             if largest <= NEWTON_TOLERANCE {
-                return Some((self.stages(trial, &at), factorised));
+                return Some(self.stages(trial, &at));
             }
         }
         None
     }
 
-    /// Stages with derivatives: one Newton step in dual numbers with the real matrix.
+    /// Stages with derivatives: one Newton step in dual numbers with the real matrix of these very stages. (That of the last iteration may lie
+    /// on the other side of rest, where a specimen that stands still moves by nothing but rounding, and the law's slopes jump with the sign.)
     fn lift(
         &self,
         stretch: &Stretch<D>,
-        t: f64,
-        h: f64,
+        real: &Stretch<f64>,
+        (t, h): (f64, f64),
         y: &State<D>,
         stages: &[State<f64>; 3],
-        factorised: &Factorised<6>,
-    ) -> [State<D>; 3] {
+    ) -> Result<[State<D>; 3], IntegrationError> {
         if D::NDERIV == 0 {
-            return stages.map(|s| s.map(D::constant));
+            return Ok(stages.map(|s| s.map(D::constant)));
         }
+        let instants: [Instant; 3] =
+            std::array::from_fn(|i| Instant::at(&self.law, real, t + C[i] * h, &stages[i]));
+        let matrix = newton_matrix(&self.coupling, h, &instants);
+        let factorised = Factorised::new(matrix).ok_or(IntegrationError::Diverged { time_s: t })?;
         let compliance = self.held.coupling.compliance;
         let (mut z, mut q) = (
             stages.map(|s| D::constant(s[0])),
@@ -574,6 +573,6 @@ impl<D: Scalar> Solver<'_, D> {
             z[i] -= change[i] - change[i].value();
             q[i] -= change[3 + i] - change[3 + i].value();
         }
-        with_speeds(compliance, h, y, &z, &q)
+        Ok(with_speeds(compliance, h, y, &z, &q))
     }
 }

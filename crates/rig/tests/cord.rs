@@ -194,6 +194,42 @@ fn a_cord_without_mass_has_a_derivative_at_the_null() {
     assert!(fine < 0.02 && fine < 0.3 * coarse, "{coarse} {fine}");
 }
 
+/// While the stage stands the specimen moves by nothing but rounding, and the sign of rounding must not decide on a slope.
+#[test]
+fn derivatives_outlast_a_stand_of_the_stage() {
+    let t = time(600, 1.0 / 60.0);
+    let v: Vec<f64> = (t.iter())
+        .map(|&t| match t {
+            t if t < 4.0 => 0.03 * (t / 0.5).min(1.0) * ((4.0 - t) / 0.1).min(1.0),
+            t if t < 7.0 => 0.0,
+            t => 0.02 * (t - 7.0).min(1.0),
+        })
+        .collect();
+    let experiment = Experiment::new(&campaign(vec![run(&t, v, Some(LOAD), 1)])).expect("moves");
+    let spring = || Box::new(Spring { mass_kg: 0.2 });
+    let model = Model::new(LawKind::AsymmetricBristle, vec![spring()], &experiment).expect("model");
+    let p = [&BRISTLE[..], &[7.6e-5, 190.0]].concat();
+    let columns: Vec<usize> = (0..BRISTLE.len()).collect();
+    let (_, jacobian) = model.predict_with_jacobian(&experiment, &p, Some(&columns));
+    for k in columns {
+        let step = 1e-3 * p[k].abs();
+        let moved = |by: f64| {
+            let mut p = p.clone();
+            p[k] += by;
+            model.predict(&experiment, &p)
+        };
+        let (less, more) = (moved(-step), moved(step));
+        let differences: Vec<f64> = (less.iter().zip(&more))
+            .map(|(a, b)| (b - a) / (2.0 * step))
+            .collect();
+        let column: Vec<f64> = jacobian.column(k).iter().copied().collect();
+        let size = differences.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+        let apart = largest(&column, &differences) / size;
+        println!("parameter {k}: {apart:.1e}");
+        assert!(apart < 5e-3, "parameter {k}: {apart}");
+    }
+}
+
 #[test]
 fn repeats_share_their_mechanics_and_runs_between_them_do_not() {
     let t = time(120, 1.0 / 60.0);
