@@ -24,8 +24,8 @@ use super::vectors::wide;
 /// Remaining entries of a row below this, relative to the triangle's diagonal, end its sweep.
 const NEGLIGIBLE: f64 = 1e-5;
 
-/// One number of each column.
-type Lanes = [f64; TOGETHER];
+/// Columns that are swept together where there are so many.
+pub(super) const MOST_TOGETHER: usize = 2 * TOGETHER;
 
 /// The stored rotations of all rows.
 pub(super) struct Rotations {
@@ -49,8 +49,8 @@ struct Turn {
 impl Turn {
     /// (u, y) -> (u + s y', y'),  y' = y - x u.
     #[inline(always)]
-    fn apply(self, u: &mut Lanes, y: &mut Lanes) {
-        for k in 0..TOGETHER {
+    fn apply<const WIDTH: usize>(self, u: &mut [f64; WIDTH], y: &mut [f64; WIDTH]) {
+        for k in 0..WIDTH {
             y[k] = (-self.x).mul_add(u[k], y[k]);
             u[k] = self.s.mul_add(y[k], u[k]);
         }
@@ -130,62 +130,37 @@ impl Rotations {
         &self.turns[self.offset[row]..self.offset[row + 1]]
     }
 
-    /// Applies the rotations to up to [`TOGETHER`] columns at once.
+    /// Applies the rotations. Most of the time goes into reading them: the more columns share that, the better.
     pub(super) fn whiten(&self, columns: &mut [&mut [f64]]) {
         wide(
             #[inline(always)]
-            || self.sweep(columns),
+            || {
+                for block in columns.chunks_mut(MOST_TOGETHER) {
+                    if block.len() > TOGETHER {
+                        self.sweep::<MOST_TOGETHER>(block);
+                    } else {
+                        self.sweep::<TOGETHER>(block);
+                    }
+                }
+            },
         );
     }
 
-    /// Row by row, two at a time: at each node the second follows on the first, so that neither waits for its own last step.
+    /// Row by row, so many columns at once.
     #[inline(always)]
-    fn sweep(&self, columns: &mut [&mut [f64]]) {
-        for block in columns.chunks_mut(TOGETHER) {
-            let mut field = vec![[0.0; TOGETHER]; self.nodes];
-            let n = self.first.len();
-            for i in (0..n - n % 2).step_by(2) {
-                let (mut y, mut next) = (row_of(block, i), row_of(block, i + 1));
-                self.turn_both(i, &mut field, &mut y, &mut next);
-                self.put_row(block, i, &y);
-                self.put_row(block, i + 1, &next);
+    fn sweep<const WIDTH: usize>(&self, columns: &mut [&mut [f64]]) {
+        let mut field = vec![[0.0; WIDTH]; self.nodes];
+        for (i, weight) in self.root_weight.iter().enumerate() {
+            let mut y = [0.0; WIDTH];
+            for (v, column) in y.iter_mut().zip(columns.iter()) {
+                *v = column[i];
             }
-            if n % 2 == 1 {
-                let mut y = row_of(block, n - 1);
-                turn_alone(self.turns(n - 1), &mut field[self.first[n - 1]..], &mut y);
-                self.put_row(block, n - 1, &y);
+            for (u, turn) in field[self.first[i]..].iter_mut().zip(self.turns(i)) {
+                turn.apply(u, &mut y);
             }
-        }
-    }
-
-    /// The rotations of row i and of the next one.
-    #[inline(always)]
-    fn turn_both(&self, i: usize, field: &mut [Lanes], y: &mut Lanes, next: &mut Lanes) {
-        let (own, other) = (self.turns(i), self.turns(i + 1));
-        let (first, second) = (self.first[i], self.first[i + 1]);
-        let (end, last) = (first + own.len(), second + other.len());
-        let (from, to) = (first.max(second), end.min(last));
-        if from >= to {
-            turn_alone(own, &mut field[first..], y);
-            turn_alone(other, &mut field[second..], next);
-            return;
-        }
-        // nodes that one of them alone reaches, those of both, and again those of one
-        turn_alone(&own[..from - first], &mut field[first..], y);
-        turn_alone(&other[..from - second], &mut field[second..], next);
-        let both = (own[from - first..to - first].iter()).zip(&other[from - second..to - second]);
-        for (u, (a, b)) in field[from..to].iter_mut().zip(both) {
-            a.apply(u, y);
-            b.apply(u, next);
-        }
-        turn_alone(&own[to - first..], &mut field[to..], y);
-        turn_alone(&other[to - second..], &mut field[to..], next);
-    }
-
-    #[inline(always)]
-    fn put_row(&self, columns: &mut [&mut [f64]], i: usize, y: &Lanes) {
-        for (v, column) in y.iter().zip(columns) {
-            column[i] = self.root_weight[i] * v;
+            for (v, column) in y.iter().zip(columns.iter_mut()) {
+                column[i] = weight * v;
+            }
         }
     }
 
@@ -203,22 +178,6 @@ impl Rotations {
             }
             *x = y;
         }
-    }
-}
-
-#[inline(always)]
-fn row_of(columns: &[&mut [f64]], i: usize) -> Lanes {
-    let mut y = [0.0; TOGETHER];
-    for (v, column) in y.iter_mut().zip(columns) {
-        *v = column[i];
-    }
-    y
-}
-
-#[inline(always)]
-fn turn_alone(turns: &[Turn], field: &mut [Lanes], y: &mut Lanes) {
-    for (u, turn) in field.iter_mut().zip(turns) {
-        turn.apply(u, y);
     }
 }
 

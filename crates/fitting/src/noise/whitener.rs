@@ -10,11 +10,11 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::along::Along;
+use super::along::{Along, TOGETHER};
 use super::channel::Undone;
 use super::context::{Context, Sizes};
 use super::plate::{Grid, Rows};
-use super::rotations::Rotations;
+use super::rotations::{MOST_TOGETHER, Rotations};
 use super::scatter::gain_columns;
 
 /// With more runs than this the scatter's root is taken run by run (the coupling of runs through the plate's field is
@@ -112,10 +112,17 @@ impl Whitener {
             return out;
         }
         // Columns are independent: the split over threads changes no bit.
-        out.as_mut_slice().par_chunks_mut(n * 8).for_each(|block| {
-            let mut parts: Vec<&mut [f64]> = block.chunks_mut(n).collect();
-            self.sweep(&mut parts);
-        });
+        let block = if columns.ncols() > 2 * MOST_TOGETHER {
+            MOST_TOGETHER
+        } else {
+            TOGETHER
+        };
+        out.as_mut_slice()
+            .par_chunks_mut(n * block)
+            .for_each(|block| {
+                let mut parts: Vec<&mut [f64]> = block.chunks_mut(n).collect();
+                self.sweep(&mut parts);
+            });
         out
     }
 
