@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use planting::effect::{Ageing, Effect};
+use planting::effect::{Ageing, Effect, Filter};
 use planting::{Base, Case, NoiseKind, Protocol};
 use rig::{Experiment, Model};
 use whole_program::measured::{campaign, parameters};
@@ -121,11 +121,15 @@ fn catalogue_and_planted_mechanisms_agree() {
     assert!(disagreements.is_empty(), "{}", disagreements.join("\n"));
 }
 
-/// Second forms that the catalogue knows exactly: an asymmetry that jumps, and ageing in each of its ways to end.
+/// Second forms that the catalogue knows exactly: an asymmetry that jumps, ageing in each of its ways to end, and a sensor of two stages.
 #[test]
 fn second_forms_agree_too() {
     let mut seen = std::collections::BTreeSet::new();
-    for (id, seeds) in [("direction-asymmetry", 21..23), ("dwell-ageing", 21..29)] {
+    for (id, seeds) in [
+        ("direction-asymmetry", 21..23),
+        ("dwell-ageing", 21..29),
+        ("sensor-lag", 21..22),
+    ] {
         for (protocol, seed) in [Protocol::Rich, Protocol::Drive]
             .into_iter()
             .flat_map(|protocol| seeds.clone().map(move |seed| (protocol, seed)))
@@ -146,6 +150,7 @@ fn second_forms_agree_too() {
         ("dwell-ageing", "fading_distance_m"),
         ("dwell-ageing", "lost_in_turning"),
         ("dwell-ageing", "of_the_whole_curve"),
+        ("sensor-lag", "two_stages"),
     ];
     assert!(wanted.iter().all(|form| seen.contains(form)), "{seen:?}");
 }
@@ -161,6 +166,10 @@ fn further_names(effect: &Effect) -> Vec<(&'static str, f64)> {
             Ageing::Grown(length_m) => {
                 vec![("fading_distance_m", length_m), ("of_the_whole_curve", 1.0)]
             }
+        },
+        Effect::SensorLag { filter, .. } => match filter {
+            Filter::FirstOrder => Vec::new(),
+            Filter::SecondOrder => vec![("two_stages", 1.0)],
         },
         _ => Vec::new(),
     }

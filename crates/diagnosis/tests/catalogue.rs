@@ -10,7 +10,7 @@ use rig::{Cause, Experiment, Model, Requirement, Station};
 use rigs::{BRISTLE, LUGRE, rich};
 
 /// Ids, stations and reported parameters, as other programs know them.
-const VOCABULARY: [(&str, &str, &[&str]); 43] = [
+const VOCABULARY: [(&str, &str, &[&str]); 44] = [
     (
         "stage-ripple",
         "stage",
@@ -76,6 +76,7 @@ const VOCABULARY: [(&str, &str, &[&str]); 43] = [
     ("force-zero-drift", "sensor", &["rate_n_s"]),
     ("force-gain", "sensor", &["gain_minus_1"]),
     ("sensor-lag", "sensor", &["time_constant_s"]),
+    ("sensor-lag", "sensor", &["time_constant_s", "two_stages"]),
     ("force-saturation", "sensor", &["level_n"]),
     ("force-resolution", "sensor", &["step_n"]),
     ("clock-offset", "clock", &["delay_s"]),

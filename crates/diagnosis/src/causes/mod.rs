@@ -37,7 +37,7 @@ catalogue! {
     stage_tilt::StageTilt;
     force_zero_drift::ForceZeroDrift;
     force_gain::ForceGain;
-    sensor_lag::SensorLag;
+    sensor_lag::SensorLag, TwoStageLag;
     force_saturation::ForceSaturation;
     force_resolution::ForceResolution;
     clock_offset::ClockOffset;

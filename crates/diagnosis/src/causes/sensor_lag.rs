@@ -3,7 +3,7 @@
 use friction::{ParameterSpec, Scalar};
 use rig::{Cause, Experiment, Place, Reach, RunMotion, Station};
 
-use super::grids;
+use super::{grids, marker};
 
 /// The force channel is low-pass filtered.
 #[derive(Clone, Copy, Debug)]
@@ -57,5 +57,38 @@ impl Cause for SensorLag {
 
     fn record<D: Scalar>(&self, p: &[D], at: Place<'_>, force_n: &mut [D]) {
         rig::signal::lag(&at.run.time_s, force_n, p[0]);
+    }
+}
+
+/// Two equal stages of half the time constant each: the record lags behind by the same time, and sets in more gently.
+#[derive(Clone, Copy, Debug)]
+pub struct TwoStageLag;
+
+/// Beside the time constant, what tells this form from the plain one in a file.
+const TWO_STAGES: &str = "two_stages";
+
+impl Cause for TwoStageLag {
+    marker::marked_form!(SensorLag, "two stages", TWO_STAGES);
+
+    fn rank(&self) -> u8 {
+        SensorLag.rank()
+    }
+
+    fn starts(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+        SensorLag.starts(experiment)
+    }
+
+    fn lateness_s(&self, p: &[f64]) -> f64 {
+        SensorLag.lateness_s(p)
+    }
+
+    fn steps_a_sample(&self, p: &[f64], run: &RunMotion) -> usize {
+        SensorLag.steps_a_sample(p, run)
+    }
+
+    fn record<D: Scalar>(&self, p: &[D], at: Place<'_>, force_n: &mut [D]) {
+        for _ in 0..2 {
+            rig::signal::lag(&at.run.time_s, force_n, p[0] * 0.5);
+        }
     }
 }
