@@ -7,7 +7,8 @@ use super::engine::safe;
 use crate::Prose;
 use crate::prose::Lookup;
 use crate::{
-    AuditOutcome, ClaimRow, Document, Drift, DriftRow, Error, Multiverse, Verdict, number,
+    AuditOutcome, ClaimRow, Deviation, Document, Drift, DriftRow, Error, Multiverse, Verdict,
+    number,
 };
 
 /// Everything about claims that the page template needs.
@@ -97,15 +98,22 @@ fn board(document: &Document) -> Vec<Value> {
         .collect()
 }
 
-/// The claims on which something was decided, in a line each: what the paper contradicts, what differs, what is reproduced.
+/// The claims on which something was decided, in a line each: what the paper contradicts, what differs, what is reproduced, and what would
+/// settle those that are not.
 fn short(document: &Document, lookup: &Lookup<'_>) -> Result<Vec<Value>, Error> {
     let told = [Verdict::Contradicted, Verdict::Differs, Verdict::Reproduced];
     let of = |verdict| move |claim: &&ClaimRow| claim.verdict == verdict;
     told.into_iter()
         .flat_map(|verdict| document.claims.iter().filter(of(verdict)))
         .map(|claim| {
-            let text = lookup.inline(&claim.claim, &format!("claim {}", claim.id))?;
-            Ok(context! { id => &claim.id, verdict => verdict_view(claim.verdict), claim => safe(text) })
+            let inline = |text: &Prose| lookup.inline(text, &format!("claim {}", claim.id));
+            let settles = deviation_of(document, claim).map(|item| inline(&item.settles));
+            Ok(context! {
+                id => &claim.id,
+                verdict => verdict_view(claim.verdict),
+                claim => safe(inline(&claim.claim)?),
+                settles => settles.transpose()?.map(safe),
+            })
         })
         .collect()
 }
@@ -137,10 +145,7 @@ fn claim_view(claim: &ClaimRow, document: &Document, lookup: &Lookup<'_>) -> Res
             class, symbol, word,
         })
     })?;
-    let deviates = document
-        .deviations
-        .iter()
-        .find(|item| item.claim == claim.id);
+    let deviates = deviation_of(document, claim);
     let figures: Vec<String> = claim
         .figures
         .iter()
@@ -170,6 +175,14 @@ fn claim_view(claim: &ClaimRow, document: &Document, lookup: &Lookup<'_>) -> Res
         })).transpose()?,
         multiverse => claim.multiverse.as_ref().map(|m| multiverse(m, lookup, &place)).transpose()?,
     })
+}
+
+/// What is said of a claim that is not reproduced.
+fn deviation_of<'d>(document: &'d Document, claim: &ClaimRow) -> Option<&'d Deviation> {
+    document
+        .deviations
+        .iter()
+        .find(|item| item.claim == claim.id)
 }
 
 /// The title of a figure or table, or its id where this page does not have it.
@@ -216,11 +229,7 @@ fn multiverse(multiverse: &Multiverse, lookup: &Lookup<'_>, place: &str) -> Resu
     })
 }
 
-fn deviation(
-    item: &crate::Deviation,
-    document: &Document,
-    lookup: &Lookup<'_>,
-) -> Result<Value, Error> {
+fn deviation(item: &Deviation, document: &Document, lookup: &Lookup<'_>) -> Result<Value, Error> {
     let place = format!("deviation of {}", item.claim);
     let verdict = document
         .claims
