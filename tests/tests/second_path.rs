@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use planting::effect::{Ageing, Effect, Filter};
-use planting::{Base, Case, NoiseKind, Protocol};
+use planting::{Base, Case, NoiseKind, Outcome, Protocol};
 use rig::{Experiment, Model};
 use whole_program::measured::{campaign, parameters};
 
@@ -89,12 +89,9 @@ fn catalogue_and_planted_mechanisms_agree() {
             (Protocol::Rotary, 0.5),
             (Protocol::Rotary, 0.05),
         ] {
-            let Some(share) = disagreement_of(
-                &Case::nothing(protocol, NoiseKind::None, 21),
-                id,
-                size,
-                false,
-            ) else {
+            let healthy = Case::nothing(protocol, NoiseKind::None, 21);
+            let day = healthy.clone().with(id, size, false).carry_out();
+            let Some(share) = disagreement_of(&healthy, &day.expect("a cause"), id) else {
                 // What a brush under loads does not show, no test here compares.
                 let compared_elsewhere = protocol != Protocol::Rich || is_of_the_numbers(id);
                 assert!(compared_elsewhere, "{id} is not compared at all");
@@ -136,8 +133,9 @@ fn second_forms_agree_too() {
         {
             let healthy = Case::nothing(protocol, NoiseKind::None, seed);
             let planted = healthy.clone().with(id, 0.3, true).carry_out();
-            let form = further_names(&planted.expect("a cause").key.effects[0]);
-            let Some(share) = disagreement_of(&healthy, id, 0.3, true) else {
+            let day = planted.expect("a cause");
+            let form = further_names(&day.key.effects[0]);
+            let Some(share) = disagreement_of(&healthy, &day, id) else {
                 continue;
             };
             println!("{id} {form:?} on {protocol:?}, seed {seed}: {share:.4}");
@@ -182,10 +180,8 @@ fn is_of_the_numbers(id: &str) -> bool {
         .is_data_integrity()
 }
 
-/// Distance between the planted record and the catalogue's prediction over the size of the effect; `None` where the protocol does not have the cause.
-fn disagreement_of(healthy: &Case, id: &str, size: f64, second: bool) -> Option<f64> {
-    let planted = healthy.clone().with(id, size, second);
-    let day = planted.carry_out().expect("a cause");
+/// Distance between a day's planted record and the catalogue's prediction over the size of the effect; `None` where the protocol does not have the cause.
+fn disagreement_of(healthy: &Case, day: &Outcome, id: &str) -> Option<f64> {
     let without = healthy.carry_out().expect("nothing");
     let effect = day.key.effects[0];
     let mut reported: BTreeMap<String, f64> = effect
