@@ -11,7 +11,7 @@ use crate::floor;
 use crate::integrity::{Integrity, Read};
 use crate::intervals::{self, unit_on_rig};
 use crate::probability::weight_of_set;
-use crate::selection::{ALPHA_GENERAL, ALPHA_NAME, SHAPE_TOLERANCE, Selected};
+use crate::selection::{ALPHA_GENERAL, ALPHA_NAME, SHAPE_TOLERANCE, Selected, strict};
 use crate::steps;
 use crate::tail::equivalent_z;
 use crate::whole::Whole;
@@ -253,7 +253,7 @@ fn integrity_findings(bench: &Bench<'_>, integrity: &Integrity) -> Vec<Finding> 
 
 /// How large an effect of each cause could have hidden: the size found with 90 % power.
 fn hidden(bench: &Bench<'_>, selected: &Selected) -> Vec<Hidden> {
-    let threshold = equivalent_z((ALPHA_NAME / selected.first.asked.max(1) as f64).ln()) + 1.2816;
+    let threshold = equivalent_z(strict(&selected.first)) + 1.2816;
     selected
         .first
         .candidates

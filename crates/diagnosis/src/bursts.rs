@@ -1,5 +1,6 @@
 //! Short bursts of unrest in single runs, such as stick-slip that comes and goes: a stretch that is louder than the same stretch
-//! of other runs, one that beats in a rhythm, blows that come in a crowd, or a single one. The four searches pay for one another by Bonferroni's bound.
+//! of other runs, one that beats in a rhythm, blows that come in a crowd, a single one, or spikes here and there. The searches pay for one
+//! another by Bonferroni's bound.
 
 use std::ops::Range;
 
@@ -11,6 +12,7 @@ use crate::general::Lack;
 use crate::ground::Ground;
 use crate::rhythm::rhythm;
 use crate::samples::Samples;
+use crate::spikes::spikes;
 use crate::tail::log_chi2_tail;
 
 /// Samples of a stretch; neighbours overlap by half.
@@ -31,6 +33,7 @@ pub(crate) fn bursts(ground: &Ground, samples: &Samples, names: &[String], beyon
         searches.push(unrest(&clipped, samples, names));
         searches.push(rhythm(&clipped, samples, names));
         searches.push(crowd(&y, samples, names));
+        searches.push(spikes(&y, samples, names));
     }
     let price = (searches.len() as f64).ln();
     let mut best = searches
@@ -102,7 +105,7 @@ fn crowd(y: &DVector<f64>, samples: &Samples, names: &[String]) -> Lack {
 
 /// A residual without its level over a window about each sample, of mean square one: the gain of a run is in the whitened residual too, and
 /// no blow.
-fn levelled(y: &[f64], runs: &[Range<usize>]) -> Vec<f64> {
+pub(crate) fn levelled(y: &[f64], runs: &[Range<usize>]) -> Vec<f64> {
     let mut level = Vec::with_capacity(y.len());
     for run in runs {
         let own = &y[run.clone()];
@@ -174,7 +177,7 @@ fn same_stretch(runs: &[Range<usize>], run: usize, from: usize) -> Vec<Range<usi
 }
 
 /// ln P(X >= count) of a Poisson number X, or a little above: the sum from its first term on is at most that of a geometric series.
-fn log_poisson_tail(mean: f64, count: usize) -> f64 {
+pub(crate) fn log_poisson_tail(mean: f64, count: usize) -> f64 {
     let n = count as f64;
     if n <= mean {
         return 0.0;

@@ -17,7 +17,7 @@ use crate::floor;
 use crate::intervals::unit_on_rig;
 use crate::prepare::bench;
 use crate::scan::scan_nominal;
-use crate::selection::ALPHA_NAME;
+use crate::selection::strict;
 use crate::stand::Stand;
 use crate::subset::Subset;
 use crate::tail::equivalent_z;
@@ -101,7 +101,7 @@ pub fn design(campaign: &Campaign, options: &Options) -> Result<Design, Diagnosi
     let found = scan_nominal(&bench, &subset, &stand, sizes.scatter);
     let mut candidates = found.candidates.clone();
     candidates.sort_by_key(|c| c.cause);
-    let limit = equivalent_z((ALPHA_NAME / found.asked.max(1) as f64).ln()) + 1.2816;
+    let limit = equivalent_z(strict(&found)) + 1.2816;
     let mut thresholds: Vec<Hidden> = candidates
         .iter()
         .map(|c| {

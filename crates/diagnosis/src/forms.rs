@@ -5,7 +5,7 @@
 //! means another thing to the reader.
 
 use crate::bench::{Bench, Fitted};
-use crate::joint::{is_dear, search_price};
+use crate::joint::{forms_of, is_dear, is_second_form, search_price};
 use crate::scan::Scan;
 use crate::selection::{likely_scatter, settle};
 use crate::stand::Stand;
@@ -23,7 +23,10 @@ pub(crate) fn plainest(bench: &Bench<'_>, subset: &Subset, mut stand: Stand) -> 
         let plain = bench.catalogue[..own]
             .iter()
             .position(|other| other.id() == bench.catalogue[own].id());
-        let Some(plain) = plain.filter(|&plain| !is_dear(bench, plain)) else {
+        // A refined form came in by beating the plain one.
+        let other =
+            plain.filter(|&plain| !is_dear(bench, plain) && !bench.catalogue[own].refines());
+        let Some(plain) = other else {
             continue;
         };
         let dearer = search_price(bench, own) - search_price(bench, plain);
@@ -40,6 +43,58 @@ pub(crate) fn plainest(bench: &Bench<'_>, subset: &Subset, mut stand: Stand) -> 
         }
     }
     Some(stand)
+}
+
+/// The set with its last cause in the refined form that saves most, where that is worth `worth` and its further parameters.
+pub(crate) fn refine_last(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: Stand,
+    worth: f64,
+) -> Option<Stand> {
+    let fitted = &stand.fitted;
+    let k = fitted.effects.len() - 1;
+    let own = fitted.effects[k];
+    if is_second_form(bench, own) {
+        return Some(stand);
+    }
+    let context = subset.context_of(bench, fitted);
+    let whitener = stand
+        .whitener
+        .with_scatter(&context, likely_scatter(&stand));
+    let best = forms_of(bench, own)
+        .filter(|&form| bench.catalogue[form].refines())
+        .filter_map(|form| {
+            let mut effects = fitted.effects.clone();
+            effects[k] = form;
+            let start = fitted.with_own(k, &refined_start(bench, fitted, k, form));
+            let fit = bench.fit(subset, &effects, &start, &whitener, None, STEPS)?;
+            let dearer = search_price(bench, form) - search_price(bench, own);
+            Some((stand.deviance_of(bench, subset, &fit) + dearer, fit))
+        })
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((_, fit)) = best.filter(|best| best.0 < stand.deviance - worth) else {
+        return Some(stand);
+    };
+    let found = Scan::empty(bench, Some(stand.sizes));
+    let next = settle(bench, subset, &fit, &found)?;
+    Some(if next.deviance < stand.deviance - worth {
+        next
+    } else {
+        stand
+    })
+}
+
+/// Where the fit of a refined form begins: what the plain one shows, and its further shapes at their typical values.
+fn refined_start(bench: &Bench<'_>, fitted: &Fitted, k: usize, form: usize) -> Vec<f64> {
+    let effect = &bench.catalogue[form];
+    let specs = effect.parameters_for(&bench.experiment);
+    let mut start = fitted.parameters[fitted.model.span(k)].to_vec();
+    for i in start.len()..specs.len() {
+        let size = effect.sizes().contains(&i);
+        start.push(if size { 0.0 } else { specs[i].typical });
+    }
+    start
 }
 
 /// The set with another form in the place of its k-th cause.

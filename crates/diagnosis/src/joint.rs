@@ -190,6 +190,12 @@ pub(crate) fn is_second_form(bench: &Bench<'_>, cause: usize) -> bool {
     before.iter().any(|other| other.id() == id)
 }
 
+/// Every form in which the catalogue has a cause.
+pub(crate) fn forms_of<'a>(bench: &'a Bench<'_>, cause: usize) -> impl Iterator<Item = usize> + 'a {
+    let id = bench.catalogue[cause].id();
+    (0..bench.catalogue.len()).filter(move |&form| bench.catalogue[form].id() == id)
+}
+
 /// Candidates that deserve a joint fit: all that pass, and those that come near the best, `most` causes in whatever forms.
 pub(crate) fn survivors<'a>(
     bench: &Bench<'_>,

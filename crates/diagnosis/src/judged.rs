@@ -15,10 +15,8 @@ use crate::weighed::Weighed;
 pub(crate) struct Errors {
     /// Sum of squares and samples of each held-out run.
     runs: Vec<(f64, f64)>,
-    /// The same sums weighed by the noise, where it is known.
+    /// The same sums weighed by the noise and the fold's own doubt (D11), where they are known.
     weighed: Vec<f64>,
-    /// Those weighed by the fold's own doubt too (D11).
-    doubted: Vec<f64>,
 }
 
 impl Errors {
@@ -40,13 +38,11 @@ impl Errors {
         let by_noise = |w: &Weighed<'_>| {
             let each = folds.iter().enumerate();
             each.flat_map(|(k, f)| w.errors(k, f, prediction(f)))
-                .unzip()
+                .collect()
         };
-        let (weighed, doubted) = weighed.map(by_noise).unwrap_or_default();
         Self {
             runs,
-            weighed,
-            doubted,
+            weighed: weighed.map(by_noise).unwrap_or_default(),
         }
     }
 
@@ -56,10 +52,10 @@ impl Errors {
 
     /// By what gains are compared: the errors weighed by the noise and the fold's doubt where these are known.
     pub(crate) fn judged(&self) -> f64 {
-        if self.doubted.is_empty() {
+        if self.weighed.is_empty() {
             self.total()
         } else {
-            self.doubted.iter().sum()
+            self.weighed.iter().sum()
         }
     }
 
@@ -157,7 +153,6 @@ mod tests {
         Errors {
             runs: runs.iter().map(|&square| (square, 100.0)).collect(),
             weighed: Vec::new(),
-            doubted: Vec::new(),
         }
     }
 

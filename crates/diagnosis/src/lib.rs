@@ -51,6 +51,7 @@ mod scan;
 mod scatter;
 mod scrambled;
 mod selection;
+mod spikes;
 mod stand;
 mod starts;
 mod steps;

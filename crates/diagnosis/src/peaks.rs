@@ -61,7 +61,10 @@ impl Peaks {
 
     pub(crate) fn find(bench: &Bench<'_>, subset: &Subset, stand: &Stand, scatter: f64) -> Self {
         let causes: Vec<usize> = (0..bench.catalogue.len())
-            .filter(|c| bench.catalogue[*c].is_periodic() && !stand.fitted.names(bench, *c))
+            .filter(|&c| {
+                let effect = &bench.catalogue[c];
+                effect.is_periodic() && !effect.refines() && !stand.fitted.names(bench, c)
+            })
             .collect();
         if causes.is_empty() {
             return Self::none();
@@ -195,13 +198,13 @@ fn families<'a>(
     };
     let (span, step) = (
         longest(samples, coordinate),
-        widest_step(samples, coordinate),
+        middling_step(samples, coordinate),
     );
     if !(span > 0.0) || !(step > 0.0) {
         return None;
     }
-    // Lines closer than two samples of the fastest motion are aliases of slow ones there. Slower ones than two in a run are
-    // no period.
+    // Lines closer than two samples of a fast motion are aliases of slow ones there: half of the samples must tell them apart. Slower
+    // ones than two in a run are no period.
     let band = (2.0 / span, 0.45 / step);
     let slow = match bench.catalogue[cause].reach() {
         Reach::Stage => SLOW_OF_SPEED,
@@ -281,8 +284,8 @@ fn longest(samples: &Samples, x: &[f64]) -> f64 {
         .fold(0.0_f64, f64::max)
 }
 
-/// The step of a coordinate from sample to sample that nineteen in twenty do not exceed.
-fn widest_step(samples: &Samples, x: &[f64]) -> f64 {
+/// The step of a coordinate from sample to sample that half of them do not exceed.
+fn middling_step(samples: &Samples, x: &[f64]) -> f64 {
     let mut steps: Vec<f64> = samples
         .runs
         .iter()
@@ -290,7 +293,7 @@ fn widest_step(samples: &Samples, x: &[f64]) -> f64 {
         .filter(|s| *s > 0.0)
         .collect();
     steps.sort_by(f64::total_cmp);
-    steps.get(steps.len() * 19 / 20).copied().unwrap_or(0.0)
+    steps.get(steps.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// Bands of frequency with the one at which the envelope is taken. A factor on friction acts at once, at all frequencies alike; to a

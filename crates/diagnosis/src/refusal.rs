@@ -7,9 +7,7 @@ use crate::bench::{Bench, Fitted};
 use crate::equivalence::{Contest, Opponent};
 use crate::general::{self, Lack};
 use crate::left::lack;
-use crate::selection::{
-    ALPHA_GENERAL, ALPHA_NAME, MOST_EFFECTS, SHAPE_TOLERANCE, Selected, Single,
-};
+use crate::selection::{ALPHA_GENERAL, MOST_EFFECTS, SHAPE_TOLERANCE, Selected, Single, strict};
 use crate::stand::Stand;
 use crate::subset::Subset;
 use crate::uniform::is_uniform;
@@ -21,11 +19,11 @@ const DOMINANT_PAIR: f64 = 0.95;
 /// The same of three: beside a rest they are as little to be believed as four, unless it is what their shapes may be wrong by.
 const DOMINANT_TRIPLE: f64 = 1.0 - SHAPE_TOLERANCE * SHAPE_TOLERANCE;
 
-/// Asks of a finished selection whether its names may stay; `worth`: deviance that a further cause must save.
-pub(crate) fn take_back(bench: &Bench<'_>, selected: &mut Selected, worth: f64) {
+/// Asks of a finished selection whether its names may stay.
+pub(crate) fn take_back(bench: &Bench<'_>, selected: &mut Selected) {
     refuse_uneven(bench, selected);
     refuse_another_law(bench, selected);
-    refuse_beside_step(bench, selected, worth);
+    refuse_beside_step(bench, selected, -2.0 * strict(&selected.first));
     keep_dominant(bench, selected);
 }
 
@@ -36,7 +34,7 @@ pub(crate) fn refuse_beaten(
     selected: &mut Selected,
     contests: &[Contest],
 ) -> bool {
-    let worth = -2.0 * (ALPHA_NAME / selected.first.asked.max(1) as f64).ln();
+    let worth = -2.0 * strict(&selected.first);
     let beaten = contests.iter().any(|contest| {
         let better = |o: &Opponent| o.loss() < -worth;
         !(contest.saved > 0.0) || contest.opponents.iter().any(better)

@@ -359,7 +359,8 @@ fn tasks(bench: &Bench<'_>, fitted: &Fitted, peaks: &Peaks, skipped: &[usize]) -
             continue;
         }
         // Another form of a cause in the model is no further cause.
-        if fitted.names(bench, cause) || effect.is_data_integrity() || skipped.contains(&cause) {
+        let known = fitted.names(bench, cause) || effect.is_data_integrity();
+        if known || effect.refines() || skipped.contains(&cause) {
             continue;
         }
         if effect.is_periodic() {

@@ -10,7 +10,7 @@ use fitting::noise::{Search, Sizes};
 
 use crate::afresh::{STRONG, afresh};
 use crate::bench::{Bench, Fitted};
-use crate::forms::plainest;
+use crate::forms::{plainest, refine_last};
 use crate::general::Lack;
 use crate::joint::{is_dear, joint_fits, survivors};
 use crate::lateness::{Lateness, looked_up};
@@ -36,6 +36,9 @@ pub(crate) const SURVIVORS: usize = 6;
 /// A catalogue's shape is taken to be right to this share of an effect's amplitude: less than its square of what is
 /// explained may be the wrong shape of a named cause, and is no ground for naming another.
 pub(crate) const SHAPE_TOLERANCE: f64 = 0.15;
+/// Probability of noise below which a fold takes in a cause, as many of them as the whole campaign has named. That there is something the
+/// whole campaign has said; a fold has fewer runs, and asks what among the catalogue it is.
+const ALPHA_FOLD: f64 = 0.05;
 /// Share of the deviance promised by the best score that a search afresh must save.
 const KEPT: f64 = 0.5;
 /// How many times more than its score says a fit may save.
@@ -98,6 +101,13 @@ pub(crate) struct Warm {
 }
 
 impl Selected {
+    /// Whether one of these causes is in the set and was seen as plainly as what a whole campaign names.
+    pub(crate) fn is_plain(&self, causes: &[usize]) -> bool {
+        let effects = self.stand.fitted.effects.iter().zip(&self.entry_log_p);
+        let own = effects.filter(|(effect, _)| causes.contains(effect));
+        own.fold(0.0, |least: f64, (_, log_p)| least.min(*log_p)) < strict(&self.first)
+    }
+
     /// Where another selection on nearly the same data may start.
     pub(crate) fn warm(&self) -> Warm {
         let extended = &self.stand.fitted;
@@ -113,6 +123,11 @@ impl Selected {
             turns: self.subset.turns(),
         }
     }
+}
+
+/// The tail probability below which a cause is named, of all that were asked.
+pub(crate) fn strict(first: &Scan) -> f64 {
+    (ALPHA_NAME / first.asked.max(1) as f64).ln()
 }
 
 /// Scatter between runs that is likeliest beside the fitted model.
@@ -229,7 +244,10 @@ fn select_beside(
     once: bool,
 ) -> Option<Selected> {
     let (mut base, first) = ground;
-    let threshold = (ALPHA_NAME / first.asked.max(1) as f64).ln();
+    let strict = strict(&first);
+    let expected = warm
+        .filter(|_| depth == Depth::Fold)
+        .map_or(0, |warm| warm.causes.len());
     let best = first.candidates.first().map_or(0.0, |c| c.log_p);
     // Nobody asks a fold whether there is anything at all.
     let general = match depth {
@@ -244,6 +262,11 @@ fn select_beside(
     let mut chosen: Option<Stand> = None;
     let mut explained = 0.0;
     for round in 0..MOST_EFFECTS {
+        let threshold = if round < expected {
+            ALPHA_FOLD.ln()
+        } else {
+            strict
+        };
         let later;
         let (stand, found) = match &chosen {
             None => (&base, &first),
@@ -308,6 +331,9 @@ fn select_beside(
                 next = drop_idle(bench, &subset, next, &mut entry, -2.0 * threshold)?;
             }
         }
+        if periodic {
+            next = refine_last(bench, &subset, next, -2.0 * strict)?;
+        }
         chosen = Some(next);
     }
     if depth == Depth::Full
@@ -327,7 +353,10 @@ fn select_beside(
             Stand::new(bench, &subset, base.fitted.clone(), base.sizes)
         }
         Some(stand) => {
-            left = lack(bench, &subset, &stand);
+            left = match depth {
+                Depth::Full => lack(bench, &subset, &stand),
+                Depth::Fold => Lack::nothing(),
+            };
             base = Stand::new(bench, &subset, base.fitted.clone(), stand.sizes);
             stand
         }
@@ -343,7 +372,10 @@ fn select_beside(
         subset,
         refused: Vec::new(),
     };
-    take_back(bench, &mut selected, -2.0 * threshold);
+    // Whether names may stay is asked of the whole campaign.
+    if depth == Depth::Full {
+        take_back(bench, &mut selected);
+    }
     Some(selected)
 }
 

@@ -6,23 +6,23 @@
 //! of the explainable error is the extension's own error A, where nothing is left unexplained:
 //!
 //! ```text
-//! share = D / (D + A),   D = sum |M (y - f_law)|^2 - |M (y - f_fold)|^2                                 (D8)
-//!                        A = sum |M (f_fold - f_all)|^2 + p H / R
+//! share = D / (D + A),   D = sum |y - f_law|^2 - |y - f_fold|^2                                         (D8)
+//!                        A = sum |f_fold - f_all|^2 + p H / R
 //! ```
 //!
-//! Sums run over folds and their held-out runs; M whitens one run's samples, scatter included. f_fold, f_all: the extension's
+//! Sums run over folds and their held-out runs. f_fold, f_all: the extension's
 //! predictions from the fold and from the whole campaign, whose p parameters make it wrong by p = tr(V^-1 J C J') over all R runs;
 //! H runs were held out.
 //!
 //! What a fold says of a run whose condition it never saw may rest on parameters that its own runs hardly tell; one such run
-//! would then outweigh all others. Where extensions are compared with scrambled ones, errors count by the noise and by that doubt:
+//! would then outweigh all others. Errors count by the noise and by that doubt:
 //!
 //! ```text
-//! |e|^2 - (B'e)' (I + B'B)^-1 B'e,   e = M (y - f),   B = M J L,   L L' = C                             (D11)
+//! |r|^2 = |e|^2 - (B'e)' (I + B'B)^-1 B'e,   e = M r,   B = M J L,   L L' = C                           (D11)
 //! ```
 //!
-//! which is e'(I + B B')^-1 e; J and C are the Jacobian and the covariance of the extension that the fold fitted, for the law, the
-//! extension and the scrambled ones alike.
+//! which is e'(I + B B')^-1 e; M whitens one run's samples, scatter included, J and C are the Jacobian and the covariance of the extension
+//! that the fold fitted, for the law, the extension and the scrambled ones alike.
 
 use fitting::noise::Whitener;
 use nalgebra::DMatrix;
@@ -76,14 +76,6 @@ impl<'a> Weighed<'a> {
             wrong: 2.0 * (2.0 / parameters).sqrt(),
             doubts: Vec::new(),
         };
-        let all = &stand.fitted.prediction;
-        let apart = |fold: &Fold| {
-            let white = weighed.white(fold, &differences(all, &fold.extended));
-            white.iter().map(|x| x * x).sum::<f64>()
-        };
-        let held: usize = folds.iter().map(|fold| fold.held.len()).sum();
-        weighed.own = folds.iter().map(apart).sum::<f64>()
-            + parameters * held as f64 / bench.samples.runs.len() as f64;
         weighed.doubts = folds
             .iter()
             .map(|fold| {
@@ -93,22 +85,34 @@ impl<'a> Weighed<'a> {
                     .collect()
             })
             .collect();
+        let all = &stand.fitted.prediction;
+        let apart = folds
+            .iter()
+            .enumerate()
+            .flat_map(|(k, fold)| weighed.squares(k, fold, &differences(all, &fold.extended)));
+        let apart: f64 = apart.sum();
+        let held: usize = folds.iter().map(|fold| fold.held.len()).sum();
+        weighed.own = apart + parameters * held as f64 / bench.samples.runs.len() as f64;
         Some(weighed)
     }
 
-    /// |M (y - f)|^2 of a prediction f for each run that the k-th fold holds out, and the same by the fold's doubt too (D11).
-    pub(crate) fn errors(&self, k: usize, fold: &Fold, prediction: &[f64]) -> Vec<(f64, f64)> {
+    /// |y - f|^2 (D11) of a prediction f for each run that the k-th fold holds out.
+    pub(crate) fn errors(&self, k: usize, fold: &Fold, prediction: &[f64]) -> Vec<f64> {
         let error = differences(&self.bench.experiment.measured_n, prediction);
-        let white = self.white(fold, &error);
+        self.squares(k, fold, &error)
+    }
+
+    /// |r|^2 (D11) for each run that the k-th fold holds out.
+    fn squares(&self, k: usize, fold: &Fold, stacked: &[f64]) -> Vec<f64> {
+        let white = self.white(fold, stacked);
         let runs = self.doubts[k].iter().zip(white.column_iter());
         runs.map(|(doubt, e)| {
-            let plain = e.norm_squared();
             let along = doubt
                 .root
                 .tr_solve_upper_triangular(&doubt.white.tr_mul(&e));
             // R is no more singular than I: only a doubt that is no number leaves nothing to solve.
             let excused = along.map_or(f64::NAN, |along| along.norm_squared());
-            (plain, plain - excused)
+            e.norm_squared() - excused
         })
         .collect()
     }

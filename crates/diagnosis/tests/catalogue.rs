@@ -10,11 +10,29 @@ use rig::{Cause, Experiment, Model, Requirement, Station};
 use rigs::{BRISTLE, LUGRE, rich};
 
 /// Ids, stations and reported parameters, as other programs know them.
-const VOCABULARY: [(&str, &str, &[&str]); 44] = [
+const VOCABULARY: [(&str, &str, &[&str]); 50] = [
     (
         "stage-ripple",
         "stage",
         &["amplitude", "pitch_m", "phase_rad"],
+    ),
+    (
+        "stage-ripple",
+        "stage",
+        &["amplitude", "pitch_m", "phase_rad", "edges"],
+    ),
+    (
+        "stage-ripple",
+        "stage",
+        &[
+            "amplitude",
+            "pitch_m",
+            "phase_rad",
+            "second_sin",
+            "second_cos",
+            "third_sin",
+            "third_cos",
+        ],
     ),
     (
         "cord-compliance",
@@ -59,6 +77,24 @@ const VOCABULARY: [(&str, &str, &[&str]); 44] = [
         "surface",
         &["amplitude", "wavelength_m", "phase_rad"],
     ),
+    (
+        "surface-texture",
+        "surface",
+        &["amplitude", "wavelength_m", "phase_rad", "edges"],
+    ),
+    (
+        "surface-texture",
+        "surface",
+        &[
+            "amplitude",
+            "wavelength_m",
+            "phase_rad",
+            "second_sin",
+            "second_cos",
+            "third_sin",
+            "third_cos",
+        ],
+    ),
     ("surface-gradient", "surface", &["slope_per_m"]),
     ("load-dependence", "load", &["exponent"]),
     (
@@ -70,6 +106,24 @@ const VOCABULARY: [(&str, &str, &[&str]); 44] = [
         "load-oscillation",
         "load",
         &["amplitude", "frequency_hz", "phase_of_the_day_rad"],
+    ),
+    (
+        "load-oscillation",
+        "load",
+        &["amplitude", "frequency_hz", "phase_rad", "edges"],
+    ),
+    (
+        "load-oscillation",
+        "load",
+        &[
+            "amplitude",
+            "frequency_hz",
+            "phase_rad",
+            "second_sin",
+            "second_cos",
+            "third_sin",
+            "third_cos",
+        ],
     ),
     ("force-zero-offset", "sensor", &["force_n"]),
     ("stage-tilt", "load", &["angle_rad"]),
@@ -148,6 +202,12 @@ fn off_null(cause: &dyn Cause, experiment: &Experiment) -> Vec<f64> {
     }
     if cause.id() == "cord-compliance" {
         fitted[1] = 0.1 * specs[1].upper;
+    }
+    // A refined form at its plain one is that one.
+    if cause.refines() {
+        for i in (3..specs.len()).filter(|i| !cause.sizes().contains(i)) {
+            fitted[i] = specs[i].typical;
+        }
     }
     fitted
 }

@@ -199,6 +199,11 @@ pub trait Cause: Hooks {
         false
     }
 
+    /// Whether it is asked for only in the place of its plain form, once that is found.
+    fn refines(&self) -> bool {
+        false
+    }
+
     /// Whether a period in time goes on between the runs, by the clock of the day, rather than begin anew with each of them.
     fn goes_on_between_runs(&self) -> bool {
         false

@@ -8,6 +8,7 @@ use friction::{ParameterSpec, Scalar};
 use rig::{Cause, Experiment, Place, Reach, Reported, Requirement, Station};
 
 use super::{grids, periodic};
+use periodic::{Edged, Harmonics, Sine, Wave};
 
 const DESCRIPTION: &str = "The normal load oscillates in time.";
 
@@ -15,11 +16,8 @@ const DESCRIPTION: &str = "The normal load oscillates in time.";
 #[derive(Clone, Copy, Debug)]
 pub struct LoadOscillation;
 
-const PARAMETERS: &[ParameterSpec] = &[
-    periodic::SIN,
-    periodic::COS,
-    ParameterSpec::new("frequency_hz", "Hz", "frequency of the load", 1e-9, 1e9, 1.0),
-];
+const FREQUENCY: ParameterSpec = ParameterSpec::new("frequency_hz", "Hz", "frequency of the load", 1e-9, 1e9, 1.0);
+const PARAMETERS: &[ParameterSpec] = &[periodic::SIN, periodic::COS, FREQUENCY];
 
 impl Cause for LoadOscillation {
     fn id(&self) -> &'static str {
@@ -71,7 +69,7 @@ impl Cause for LoadOscillation {
     }
 
     fn factor<D: Scalar>(&self, p: &[D], at: Place<'_>, _friction_n: &[D], factor: &mut [D], _memory: &mut [D]) {
-        swing(p, 0.0, &at.run.time_s, factor);
+        swing::<Sine, D>(p, 0.0, &at.run.time_s, factor);
     }
 }
 
@@ -147,7 +145,47 @@ impl Cause for OscillationOfTheDay {
     }
 
     fn factor<D: Scalar>(&self, p: &[D], at: Place<'_>, _friction_n: &[D], factor: &mut [D], _memory: &mut [D]) {
-        swing(p, at.run.started_s.unwrap_or(0.0), &at.run.time_s, factor);
+        swing::<Sine, D>(p, at.run.started_s.unwrap_or(0.0), &at.run.time_s, factor);
+    }
+}
+
+/// A load that comes and goes: between a sine and a square wave, anew with each run.
+#[derive(Clone, Copy, Debug)]
+pub struct EdgedOscillation;
+
+impl Cause for EdgedOscillation {
+    periodic::refined_form!(
+        LoadOscillation,
+        Edged,
+        &[periodic::SIN, periodic::COS, FREQUENCY, periodic::EDGES]
+    );
+
+    fn factor<D: Scalar>(&self, p: &[D], at: Place<'_>, _friction_n: &[D], factor: &mut [D], _memory: &mut [D]) {
+        swing::<Edged, D>(p, 0.0, &at.run.time_s, factor);
+    }
+}
+
+/// With the second and the third harmonic, anew with each run.
+#[derive(Clone, Copy, Debug)]
+pub struct HarmonicOscillation;
+
+impl Cause for HarmonicOscillation {
+    periodic::refined_form!(
+        LoadOscillation,
+        Harmonics,
+        &[
+            periodic::SIN,
+            periodic::COS,
+            FREQUENCY,
+            periodic::SECOND_SIN,
+            periodic::SECOND_COS,
+            periodic::THIRD_SIN,
+            periodic::THIRD_COS,
+        ]
+    );
+
+    fn factor<D: Scalar>(&self, p: &[D], at: Place<'_>, _friction_n: &[D], factor: &mut [D], _memory: &mut [D]) {
+        swing::<Harmonics, D>(p, 0.0, &at.run.time_s, factor);
     }
 }
 
@@ -163,9 +201,9 @@ fn frequencies(experiment: &Experiment) -> Vec<Vec<f64>> {
     grids::rates(lowest, highest, duration).into_iter().map(|f| vec![0.0, 0.0, f]).collect()
 }
 
-/// Multiplies a run's factor by 1 + A sin(2 pi f (since + t) + phase).
-fn swing<D: Scalar>(p: &[D], since_s: f64, time_s: &[f64], factor: &mut [D]) {
+/// Multiplies a run's factor by the wave at the phase 2 pi f (since + t).
+fn swing<W: Wave, D: Scalar>(p: &[D], since_s: f64, time_s: &[f64], factor: &mut [D]) {
     for (f, &t) in factor.iter_mut().zip(time_s) {
-        *f *= periodic::ripple(p, p[2] * (std::f64::consts::TAU * (since_s + t)));
+        *f *= W::ripple(p, p[2] * (std::f64::consts::TAU * (since_s + t)));
     }
 }

@@ -21,7 +21,7 @@ macro_rules! catalogue {
 }
 
 catalogue! {
-    stage_ripple::StageRipple;
+    stage_ripple::StageRipple, EdgedRipple, HarmonicRipple;
     cord_compliance::CordCompliance, CordBesideMass;
     stribeck_shape::StribeckShape;
     velocity_strengthening::AddedStrengthening, VelocityStrengthening;
@@ -29,10 +29,10 @@ catalogue! {
     bristle_set::BristleSet, KeptSet, LastWaySet;
     wear::Wear, WearByDecades;
     thermal_softening::ThermalSoftening, LevellingSoftening, ExponentialSoftening;
-    surface_texture::SurfaceTexture;
+    surface_texture::SurfaceTexture, EdgedTexture, HarmonicTexture;
     surface_gradient::SurfaceGradient;
     load_dependence::LoadDependence;
-    load_oscillation::LoadOscillation, OscillationOfTheDay;
+    load_oscillation::LoadOscillation, OscillationOfTheDay, EdgedOscillation, HarmonicOscillation;
     force_zero_offset::ForceZeroOffset;
     stage_tilt::StageTilt;
     force_zero_drift::ForceZeroDrift;

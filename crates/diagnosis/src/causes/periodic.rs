@@ -2,6 +2,14 @@
 //!
 //! A sin(x + phase) = a sin(x) + b cos(x), A = sqrt(a^2 + b^2), phase = atan2(b, a). The pair is linear at the null, where
 //! a phase means nothing.
+//!
+//! What ripples need not do so as a sine. Two refined forms are tried in the place of a sine that was found: with edges,
+//!
+//! ```text
+//! u / sqrt(1 - s + s u^2 / A^2),   u = a sin(x) + b cos(x),   s from 0 (a sine) to 1 (a square wave of the height A)
+//! ```
+//!
+//! and with a second and a third harmonic, sines and cosines of 2 x and 3 x.
 
 use std::collections::BTreeMap;
 
@@ -27,11 +35,213 @@ pub(super) const COS: ParameterSpec = ParameterSpec::new(
 )
 .with_null(0.0);
 
-/// 1 + a sin(x) + b cos(x), p = (a, b, ...).
-pub(super) fn ripple<D: Scalar>(p: &[D], x: D) -> D {
-    let (sin, cos) = x.sin_cos();
-    p[0] * sin + p[1] * cos + 1.0
+/// How a periodic effect goes over its period.
+pub(super) trait Wave {
+    /// What tells the form from the plain one for a reader; of the sine nothing.
+    const VARIANT: &'static str;
+    /// Fitted parameters beside those of the sine.
+    const FURTHER: &'static [ParameterSpec];
+    /// Indices of fitted parameters that are sizes.
+    const SIZES: &'static [usize];
+
+    /// The factor at the phase x, p = (a, b, shape, ...).
+    fn ripple<D: Scalar>(p: &[D], x: D) -> D;
 }
+
+/// 1 + a sin(x) + b cos(x).
+pub(super) enum Sine {}
+
+impl Wave for Sine {
+    const VARIANT: &'static str = "";
+    const FURTHER: &'static [ParameterSpec] = &[];
+    const SIZES: &'static [usize] = &[0, 1];
+
+    fn ripple<D: Scalar>(p: &[D], x: D) -> D {
+        let (sin, cos) = x.sin_cos();
+        p[0] * sin + p[1] * cos + 1.0
+    }
+}
+
+/// Between a sine and a square wave.
+pub(super) enum Edged {}
+
+/// At most this near to a square: edges of a thousandth of a period.
+const SHARPEST: f64 = 0.9999;
+
+pub(super) const EDGES: ParameterSpec = ParameterSpec::new(
+    "edges",
+    "1",
+    "from a sine, 0, to a square wave, 1",
+    0.0,
+    SHARPEST,
+    0.5,
+);
+
+impl Wave for Edged {
+    const VARIANT: &'static str = "with edges";
+    const FURTHER: &'static [ParameterSpec] = &[EDGES];
+    const SIZES: &'static [usize] = &[0, 1];
+
+    fn ripple<D: Scalar>(p: &[D], x: D) -> D {
+        let (sin, cos) = x.sin_cos();
+        let sine = p[0] * sin + p[1] * cos;
+        // at the null u / A is nothing over nothing
+        let height = p[0] * p[0] + p[1] * p[1] + f64::MIN_POSITIVE;
+        let steepness = p[3] * (sine * sine / height - 1.0) + 1.0;
+        sine / steepness.sqrt() + 1.0
+    }
+}
+
+/// With the second and the third harmonic.
+pub(super) enum Harmonics {}
+
+const fn harmonic(name: &'static str, symbol: &'static str) -> ParameterSpec {
+    ParameterSpec::new(name, "1", symbol, -0.9, 0.9, 0.02).with_null(0.0)
+}
+
+pub(super) const SECOND_SIN: ParameterSpec =
+    harmonic("second_sin", "amplitude of the second harmonic's sine");
+pub(super) const SECOND_COS: ParameterSpec =
+    harmonic("second_cos", "amplitude of the second harmonic's cosine");
+pub(super) const THIRD_SIN: ParameterSpec =
+    harmonic("third_sin", "amplitude of the third harmonic's sine");
+pub(super) const THIRD_COS: ParameterSpec =
+    harmonic("third_cos", "amplitude of the third harmonic's cosine");
+
+impl Wave for Harmonics {
+    const VARIANT: &'static str = "with harmonics";
+    const FURTHER: &'static [ParameterSpec] = &[SECOND_SIN, SECOND_COS, THIRD_SIN, THIRD_COS];
+    const SIZES: &'static [usize] = &[0, 1, 3, 4, 5, 6];
+
+    fn ripple<D: Scalar>(p: &[D], x: D) -> D {
+        let overtone = |k: f64, sine: usize| {
+            let (sin, cos) = (x * k).sin_cos();
+            p[sine] * sin + p[sine + 1] * cos
+        };
+        Sine::ripple(p, x) + overtone(2.0, 3) + overtone(3.0, 5)
+    }
+}
+
+/// Amplitude, shape and phase of the sine, and the further parameters as they are fitted.
+pub(super) fn refined(
+    mut plain: Vec<Reported>,
+    further: &[ParameterSpec],
+    fitted: &[f64],
+) -> Vec<Reported> {
+    for own in &mut plain {
+        own.gradient.resize(fitted.len(), 0.0);
+    }
+    let first = fitted.len() - further.len();
+    for (k, spec) in further.iter().enumerate() {
+        let mut gradient = vec![0.0; fitted.len()];
+        gradient[first + k] = 1.0;
+        let std::borrow::Cow::Borrowed(name) = spec.name else {
+            unreachable!("names of the catalogue are constants");
+        };
+        plain.push(Reported {
+            name,
+            unit: "1",
+            value: fitted[first + k],
+            gradient,
+        });
+    }
+    plain
+}
+
+/// The further parameters of a refined form behind those of the plain one.
+pub(super) fn with_further(
+    mut plain: Vec<f64>,
+    further: &[ParameterSpec],
+    reported: &BTreeMap<String, f64>,
+) -> Result<Vec<f64>, String> {
+    for spec in further {
+        let value = reported.get(spec.name.as_ref());
+        plain.push(*value.ok_or_else(|| spec.name.to_string())?);
+    }
+    Ok(plain)
+}
+
+/// What a refined form shares with its plain one: everything but its wave and the hook.
+macro_rules! refined_form {
+    ($plain:ident, $wave:ident, $parameters:expr) => {
+        fn id(&self) -> &'static str {
+            $plain.id()
+        }
+
+        fn variant(&self) -> Option<&'static str> {
+            Some(<$crate::causes::periodic::$wave as $crate::causes::periodic::Wave>::VARIANT)
+        }
+
+        fn station(&self) -> rig::Station {
+            $plain.station()
+        }
+
+        fn reach(&self) -> rig::Reach {
+            $plain.reach()
+        }
+
+        fn describe(&self) -> &'static str {
+            $plain.describe()
+        }
+
+        fn parameters(&self) -> &'static [friction::ParameterSpec] {
+            const PARAMETERS: &[friction::ParameterSpec] = $parameters;
+            PARAMETERS
+        }
+
+        fn parameters_for(&self, experiment: &rig::Experiment) -> Vec<friction::ParameterSpec> {
+            let mut specs = $plain.parameters_for(experiment);
+            specs.extend_from_slice(
+                <$crate::causes::periodic::$wave as $crate::causes::periodic::Wave>::FURTHER,
+            );
+            specs
+        }
+
+        fn sizes(&self) -> &'static [usize] {
+            <$crate::causes::periodic::$wave as $crate::causes::periodic::Wave>::SIZES
+        }
+
+        fn shape_grid(&self, experiment: &rig::Experiment) -> Vec<Vec<f64>> {
+            let mut grid = $plain.shape_grid(experiment);
+            for own in &mut grid {
+                own.resize(self.parameters().len(), 0.0);
+            }
+            grid
+        }
+
+        fn is_periodic(&self) -> bool {
+            true
+        }
+
+        fn refines(&self) -> bool {
+            true
+        }
+
+        fn requirements(&self) -> &'static [rig::Requirement] {
+            $plain.requirements()
+        }
+
+        fn reported(&self, fitted: &[f64]) -> Vec<rig::Reported> {
+            let further =
+                <$crate::causes::periodic::$wave as $crate::causes::periodic::Wave>::FURTHER;
+            $crate::causes::periodic::refined($plain.reported(&fitted[..3]), further, fitted)
+        }
+
+        fn from_reported(
+            &self,
+            reported: &std::collections::BTreeMap<String, f64>,
+        ) -> Result<Vec<f64>, String> {
+            let further =
+                <$crate::causes::periodic::$wave as $crate::causes::periodic::Wave>::FURTHER;
+            $crate::causes::periodic::with_further(
+                $plain.from_reported(reported)?,
+                further,
+                reported,
+            )
+        }
+    };
+}
+pub(super) use refined_form;
 
 /// Amplitude, shape and phase of p = (a, b, shape).
 pub(super) fn reported(

@@ -7,19 +7,19 @@ use friction::{ParameterSpec, Scalar};
 use rig::{Cause, Experiment, Place, Reach, Reported, Requirement, RunMotion, Station};
 
 use super::{grids, periodic};
+use periodic::{Edged, Harmonics, Sine, Wave};
 
 /// The true speed of the stage ripples with the pitch of its drive.
 #[derive(Clone, Copy, Debug)]
 pub struct StageRipple;
 
-const PARAMETERS: &[ParameterSpec] = &[
-    periodic::SIN,
-    periodic::COS,
-    ParameterSpec::new("pitch_m", "m", "pitch of the drive", 1e-9, 1e9, 1.0),
-];
+const PITCH: ParameterSpec = ParameterSpec::new("pitch_m", "m", "pitch of the drive", 1e-9, 1e9, 1.0);
+const PARAMETERS: &[ParameterSpec] = &[periodic::SIN, periodic::COS, PITCH];
 
 /// Steps over a pitch: chords over a twelfth of a period make its amplitude 2 % small.
 const STEPS_A_PITCH: f64 = 12.0;
+/// How many times finer a wave with harmonics or edges is.
+const FINER: f64 = 3.0;
 /// Steps from sample to sample, at most.
 const MOST_STEPS: f64 = 16.0;
 
@@ -76,22 +76,72 @@ impl Cause for StageRipple {
     }
 
     fn steps_a_sample(&self, p: &[f64], run: &RunMotion) -> usize {
-        (STEPS_A_PITCH * run.widest_step_m() / p[2]).ceil().clamp(1.0, MOST_STEPS) as usize
+        steps(p[2], run)
     }
 
     fn stage<D: Scalar>(&self, p: &[D], at: Place<'_>, velocity: &mut [D]) {
-        let wave = p[2].recip() * std::f64::consts::TAU;
-        let time = &at.run.time_s;
-        let mut x = D::constant(at.run.position_m[0]);
-        let mut before = velocity[0] * periodic::ripple(p, wave * x);
-        velocity[0] = before;
-        // dx/dt = v(x, t): the speed at the end of a step is read where the speed at its start leads, the way is their mean
-        for i in 1..velocity.len() {
-            let step = time[i] - time[i - 1];
-            let now = velocity[i] * periodic::ripple(p, wave * (x + before * step));
-            x += (before + now) * (0.5 * step);
-            velocity[i] = now;
-            before = now;
-        }
+        ripple::<Sine, D>(p, at, velocity);
+    }
+}
+
+/// A drive that steps: between a sine and a square wave.
+#[derive(Clone, Copy, Debug)]
+pub struct EdgedRipple;
+
+impl Cause for EdgedRipple {
+    periodic::refined_form!(StageRipple, Edged, &[periodic::SIN, periodic::COS, PITCH, periodic::EDGES]);
+
+    fn steps_a_sample(&self, p: &[f64], run: &RunMotion) -> usize {
+        steps(p[2] / FINER, run)
+    }
+
+    fn stage<D: Scalar>(&self, p: &[D], at: Place<'_>, velocity: &mut [D]) {
+        ripple::<Edged, D>(p, at, velocity);
+    }
+}
+
+/// Teeth and poles: with the second and the third harmonic.
+#[derive(Clone, Copy, Debug)]
+pub struct HarmonicRipple;
+
+impl Cause for HarmonicRipple {
+    periodic::refined_form!(StageRipple, Harmonics, &[
+            periodic::SIN,
+            periodic::COS,
+            PITCH,
+            periodic::SECOND_SIN,
+            periodic::SECOND_COS,
+            periodic::THIRD_SIN,
+            periodic::THIRD_COS,
+        ]);
+
+    fn steps_a_sample(&self, p: &[f64], run: &RunMotion) -> usize {
+        steps(p[2] / FINER, run)
+    }
+
+    fn stage<D: Scalar>(&self, p: &[D], at: Place<'_>, velocity: &mut [D]) {
+        ripple::<Harmonics, D>(p, at, velocity);
+    }
+}
+
+/// Steps from sample to sample for a pitch.
+fn steps(pitch_m: f64, run: &RunMotion) -> usize {
+    (STEPS_A_PITCH * run.widest_step_m() / pitch_m).ceil().clamp(1.0, MOST_STEPS) as usize
+}
+
+/// The speed that the drive makes of the commanded one.
+fn ripple<W: Wave, D: Scalar>(p: &[D], at: Place<'_>, velocity: &mut [D]) {
+    let wave = p[2].recip() * std::f64::consts::TAU;
+    let time = &at.run.time_s;
+    let mut x = D::constant(at.run.position_m[0]);
+    let mut before = velocity[0] * W::ripple(p, wave * x);
+    velocity[0] = before;
+    // dx/dt = v(x, t): the speed at the end of a step is read where the speed at its start leads, the way is their mean
+    for i in 1..velocity.len() {
+        let step = time[i] - time[i - 1];
+        let now = velocity[i] * W::ripple(p, wave * (x + before * step));
+        x += (before + now) * (0.5 * step);
+        velocity[i] = now;
+        before = now;
     }
 }

@@ -6,16 +6,14 @@ use friction::{ParameterSpec, Scalar};
 use rig::{Cause, Experiment, Place, Reach, Reported, Requirement, Station};
 
 use super::{grids, periodic};
+use periodic::{Edged, Harmonics, Sine, Wave};
 
 /// Friction ripples with the place on the plate.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceTexture;
 
-const PARAMETERS: &[ParameterSpec] = &[
-    periodic::SIN,
-    periodic::COS,
-    ParameterSpec::new("wavelength_m", "m", "wavelength of the texture", 1e-9, 1e9, 1.0),
-];
+const WAVELENGTH: ParameterSpec = ParameterSpec::new("wavelength_m", "m", "wavelength of the texture", 1e-9, 1e9, 1.0);
+const PARAMETERS: &[ParameterSpec] = &[periodic::SIN, periodic::COS, WAVELENGTH];
 
 impl Cause for SurfaceTexture {
     fn id(&self) -> &'static str {
@@ -70,8 +68,53 @@ impl Cause for SurfaceTexture {
     }
 
     fn factor<D: Scalar>(&self, p: &[D], at: Place<'_>, _friction_n: &[D], factor: &mut [D], _memory: &mut [D]) {
-        for (f, &x) in factor.iter_mut().zip(&at.run.position_m) {
-            *f *= periodic::ripple(p, p[2].recip() * (std::f64::consts::TAU * x));
-        }
+        ripple::<Sine, D>(p, at, factor);
+    }
+}
+
+/// Patches of two levels: between a sine and a square wave.
+#[derive(Clone, Copy, Debug)]
+pub struct EdgedTexture;
+
+impl Cause for EdgedTexture {
+    periodic::refined_form!(
+        SurfaceTexture,
+        Edged,
+        &[periodic::SIN, periodic::COS, WAVELENGTH, periodic::EDGES]
+    );
+
+    fn factor<D: Scalar>(&self, p: &[D], at: Place<'_>, _friction_n: &[D], factor: &mut [D], _memory: &mut [D]) {
+        ripple::<Edged, D>(p, at, factor);
+    }
+}
+
+/// Teeth: with the second and the third harmonic.
+#[derive(Clone, Copy, Debug)]
+pub struct HarmonicTexture;
+
+impl Cause for HarmonicTexture {
+    periodic::refined_form!(
+        SurfaceTexture,
+        Harmonics,
+        &[
+            periodic::SIN,
+            periodic::COS,
+            WAVELENGTH,
+            periodic::SECOND_SIN,
+            periodic::SECOND_COS,
+            periodic::THIRD_SIN,
+            periodic::THIRD_COS,
+        ]
+    );
+
+    fn factor<D: Scalar>(&self, p: &[D], at: Place<'_>, _friction_n: &[D], factor: &mut [D], _memory: &mut [D]) {
+        ripple::<Harmonics, D>(p, at, factor);
+    }
+}
+
+/// Multiplies a run's factor by the wave at each sample's place.
+fn ripple<W: Wave, D: Scalar>(p: &[D], at: Place<'_>, factor: &mut [D]) {
+    for (f, &x) in factor.iter_mut().zip(&at.run.position_m) {
+        *f *= W::ripple(p, p[2].recip() * (std::f64::consts::TAU * x));
     }
 }
