@@ -331,10 +331,7 @@ fn select_beside(
                 next = drop_idle(bench, &subset, next, &mut entry, -2.0 * threshold)?;
             }
         }
-        if periodic {
-            next = refine_last(bench, &subset, next, -2.0 * strict)?;
-        }
-        chosen = Some(next);
+        chosen = Some(refine_last(bench, &subset, next, -2.0 * strict)?);
     }
     if depth == Depth::Full
         && let Some(stand) = chosen.take()

@@ -1,13 +1,16 @@
 //! Spikes: single samples far out, here and there, such as a bad contact makes them.
 //!
 //! Noise with heavy tails has samples far out too, and ever fewer the further out. No healthy noise is taken to have heavier tails than
-//! Student's t with four degrees of freedom: more samples beyond r times the median of all than such noise has are spikes,
+//! Student's t with four degrees of freedom. Spikes are more samples beyond a level l than such noise has, or, where they are all alike,
+//! more just beyond a level than just below it:
 //!
 //! ```text
-//! count of |y| > r m,   m = median |y|,   expected n P(|t_4| > r m_4),   m_4 = median |t_4| = 0.741
+//! #(|y| > l)                       against   n P(|t_4| > l),
+//! #(l < |y| < R l)   out of   #(l / R < |y| < R l)   against   P(l < |t_4| < R l) / P(l / R < |t_4| < R l)
 //! ```
 //!
-//! with r on a grid that Bonferroni's bound pays for. What stands close together is one spike: whitening carries a sample into the next.
+//! in units of the median; the levels are paid for by Bonferroni's bound. What stands close together is one spike: whitening carries a
+//! sample into the next.
 
 use std::ops::Range;
 
@@ -23,8 +26,12 @@ use crate::samples::Samples;
 const FREEDOM: f64 = 4.0;
 /// Multiples of the median beyond which samples are counted.
 const LEVELS: [f64; 4] = [8.0, 11.0, 16.0, 22.0];
-/// Whitening is not perfect everywhere: so many times more are let pass.
+/// Multiples of the median at which what lies just beyond is held against what lies just below, and R.
+const EDGES: [f64; 7] = [4.5, 5.5, 6.7, 8.2, 10.0, 12.2, 15.0];
+const BAND: f64 = 1.3;
+/// Whitening is not perfect everywhere: so many times more are let pass, of all samples and of those near a level.
 const UNEVEN: f64 = 2.0;
+const UNEVEN_NEAR: f64 = 1.2;
 /// Samples within which several far out are one spike.
 const TOGETHER: usize = 5;
 
@@ -48,28 +55,65 @@ fn far_out(y: &[f64], runs: &[Range<usize>]) -> Option<(f64, Vec<usize>)> {
     sizes.sort_by(f64::total_cmp);
     let median = *sizes.get(sizes.len() / 2).filter(|m| **m > 0.0)?;
     let unit = student.inverse_cdf(0.75);
-    let counted = LEVELS.iter().map(|&level| {
-        let found = apart(y, runs, level * median);
-        let share = 2.0 * student.cdf(-level * unit);
-        let log_p = log_poisson_tail(UNEVEN * share * y.len() as f64, found.len());
-        ((log_p + (LEVELS.len() as f64).ln()).min(0.0), found)
+    let beyond = |level: f64| 2.0 * student.cdf(-level * unit);
+    let many = LEVELS.iter().map(|&level| {
+        let found = Event::beyond(y, runs, level * median);
+        let expected = UNEVEN * beyond(level) * y.len() as f64;
+        (log_poisson_tail(expected, found.len()), found)
     });
-    counted.min_by(|a, b| a.0.total_cmp(&b.0))
+    let alike = EDGES.iter().map(|&level| {
+        let (below, above) = (beyond(level / BAND), beyond(level * BAND));
+        let share = UNEVEN_NEAR * (beyond(level) - above) / (below - above);
+        let mut found = Event::beyond(y, runs, level / BAND * median);
+        found.retain(|event| event.size < level * BAND * median);
+        let near = found.len();
+        found.retain(|event| event.size > level * median);
+        (log_binomial_tail(share, found.len(), near), found)
+    });
+    let price = ((LEVELS.len() + EDGES.len()) as f64).ln();
+    let (log_p, found) = many.chain(alike).min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let at = found.into_iter().map(|event| event.at).collect();
+    Some(((log_p + price).min(0.0), at))
 }
 
-/// The samples beyond a level, of those that stand close together in a run the first.
-fn apart(y: &[f64], runs: &[Range<usize>], level: f64) -> Vec<usize> {
-    let mut found: Vec<usize> = Vec::new();
-    for run in runs {
-        let mut last = None;
-        for i in run.clone().filter(|&i| y[i].abs() > level) {
-            if last.is_none_or(|last| i > last + TOGETHER) {
-                found.push(i);
-            }
-            last = Some(i);
-        }
+/// ln P(X >= count) of a number X out of n, each with the probability p, or above: Chernoff's bound.
+fn log_binomial_tail(p: f64, count: usize, n: usize) -> f64 {
+    let share = count as f64 / n.max(1) as f64;
+    if share <= p {
+        return 0.0;
     }
-    found
+    let part = |share: f64, p: f64| match share > 0.0 {
+        true => share * (share / p).ln(),
+        false => 0.0,
+    };
+    -(n as f64) * (part(share, p) + part(1.0 - share, 1.0 - p))
+}
+
+/// Samples far out that stand close together in a run: where the first is, and how far out the furthest.
+struct Event {
+    at: usize,
+    size: f64,
+}
+
+impl Event {
+    /// All events beyond a level.
+    fn beyond(y: &[f64], runs: &[Range<usize>], level: f64) -> Vec<Self> {
+        let mut found: Vec<Self> = Vec::new();
+        for run in runs {
+            let mut last = None;
+            for i in run.clone().filter(|&i| y[i].abs() > level) {
+                let size = y[i].abs();
+                match found.last_mut() {
+                    Some(event) if last.is_some_and(|last| i <= last + TOGETHER) => {
+                        event.size = event.size.max(size);
+                    }
+                    _ => found.push(Self { at: i, size }),
+                }
+                last = Some(i);
+            }
+        }
+        found
+    }
 }
 
 /// The time of the runs in which they lie, from the first to the last.
@@ -93,33 +137,61 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal, StudentT};
 
-    /// Eighty samples of 7.7 standard deviations among 6,800 normal ones are spikes; the tails of Student's t are none, nor are three
-    /// samples in a row that one event made.
+    const RUN: usize = 680;
+    const NAMED: f64 = 0.004;
+
+    fn runs() -> Vec<Range<usize>> {
+        (0..10).map(|k| k * RUN..(k + 1) * RUN).collect()
+    }
+
+    fn found(y: &[f64]) -> (f64, Vec<usize>) {
+        far_out(y, &runs()).expect("samples")
+    }
+
+    /// Neither normal noise nor that with the heaviest tails has spikes, nor has a sum of both; three samples in a row are one event.
     #[test]
-    fn spikes_are_told_from_heavy_tails() {
-        const RUN: usize = 680;
-        const NAMED: f64 = 0.004;
-        let runs: Vec<Range<usize>> = (0..10).map(|k| k * RUN..(k + 1) * RUN).collect();
+    fn tails_are_no_spikes() {
         let mut generator = ChaCha8Rng::seed_from_u64(11);
         let t = StudentT::new(FREEDOM).expect("a freedom");
-        for _ in 0..20 {
-            let mut normal: Vec<f64> = (0..10 * RUN)
-                .map(|_| StandardNormal.sample(&mut generator))
-                .collect();
-            let heavy: Vec<f64> = (0..10 * RUN).map(|_| t.sample(&mut generator)).collect();
-            for healthy in [&normal, &heavy] {
-                let (log_p, _) = far_out(healthy, &runs).expect("samples");
-                assert!(log_p > NAMED.ln(), "{log_p}");
+        let mut draw = |normal: f64, heavy: f64| -> Vec<f64> {
+            let mut one = || {
+                let z: f64 = StandardNormal.sample(&mut generator);
+                normal * z + heavy * t.sample(&mut generator)
+            };
+            (0..10 * RUN).map(|_| one()).collect()
+        };
+        for (normal, heavy) in [(1.0, 0.0), (0.0, 1.0), (1.0, 1.0), (1.0, 0.3)] {
+            for _ in 0..20 {
+                let mut y = draw(normal, heavy);
+                assert!(found(&y).0 > NAMED.ln(), "{}", found(&y).0);
+                let far = 40.0;
+                y[300..303].fill(far);
+                let events = Event::beyond(&y, &runs(), far - 1.0);
+                assert_eq!(
+                    events.iter().filter(|e| (300..303).contains(&e.at)).count(),
+                    1
+                );
             }
-            let mut event = normal.clone();
-            event[300..303].fill(9.0);
-            let (_, found) = far_out(&event, &runs).expect("samples");
-            assert!(found.len() <= 1, "{found:?}");
-            for _ in 0..80 {
-                normal[generator.random_range(0..10 * RUN)] += 7.7;
+        }
+    }
+
+    /// Eighty samples among 6,800 normal ones are spikes where they lie far out, and where they are all alike no further out than
+    /// heavy tails.
+    #[test]
+    fn spikes_are_told_from_tails() {
+        let mut generator = ChaCha8Rng::seed_from_u64(12);
+        for size in [12.0, 9.0, 7.7] {
+            for _ in 0..20 {
+                let mut y: Vec<f64> = (0..10 * RUN)
+                    .map(|_| StandardNormal.sample(&mut generator))
+                    .collect();
+                for _ in 0..80 {
+                    y[generator.random_range(0..10 * RUN)] += size;
+                }
+                let (log_p, spikes) = found(&y);
+                assert!(log_p < NAMED.ln(), "{size}: {log_p}");
+                assert!(spikes.len() > 30, "{size}: {}", spikes.len());
             }
-            let (log_p, found) = far_out(&normal, &runs).expect("samples");
-            assert!(log_p < -20.0 && found.len() > 40, "{log_p} {}", found.len());
         }
     }
 }

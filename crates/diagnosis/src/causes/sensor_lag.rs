@@ -70,6 +70,11 @@ const TWO_STAGES: &str = "two_stages";
 impl Cause for TwoStageLag {
     marker::marked_form!(SensorLag, "two stages", TWO_STAGES);
 
+    /// Beside a law that bends it explains too much on its own.
+    fn refines(&self) -> bool {
+        true
+    }
+
     fn rank(&self) -> u8 {
         SensorLag.rank()
     }
