@@ -7,7 +7,7 @@
 use crate::answer::Gain;
 use crate::bench::Bench;
 use crate::floor;
-use crate::gain::Fold;
+use crate::fold::Fold;
 use crate::intervals::student;
 use crate::weighed::Weighed;
 

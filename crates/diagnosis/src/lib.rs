@@ -23,6 +23,7 @@ mod excerpt;
 mod experiment;
 mod extension;
 mod floor;
+mod fold;
 mod folds;
 mod forms;
 mod gain;

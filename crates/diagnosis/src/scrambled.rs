@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::bench::{Bench, Fitted};
-use crate::gain::reference;
+use crate::fold::reference;
 use crate::ground::orthonormal;
 use crate::selection::Selected;
 

@@ -29,7 +29,7 @@ use nalgebra::DMatrix;
 
 use crate::bench::Bench;
 use crate::floor;
-use crate::gain::Fold;
+use crate::fold::Fold;
 use crate::selection::{ALPHA_GENERAL, Selected, likely_scatter};
 use crate::subset::Subset;
 use crate::whole::Whole;
