@@ -22,7 +22,7 @@ pub(crate) struct Fold {
     pub(crate) stated: Vec<f64>,
     pub(crate) law: Vec<f64>,
     pub(crate) extended: Vec<f64>,
-    /// The same where the fold would have named what it took in; where not, the law's. Names are judged by it.
+    /// The same where the fold would have named what it took in; where not, that of the law that it fitted. Names are judged by it.
     pub(crate) firm: Vec<f64>,
     /// The same with what the whole campaign named in the place of what the fold took in its stead.
     pub(crate) named: Vec<f64>,
@@ -127,10 +127,11 @@ pub(crate) fn fold(
         law,
         extended,
     };
+    let bare = whole.prediction(&own.baseline.fitted);
     if !would_name(bench, own) {
         fold.again = false;
-        fold.firm.clone_from(&fold.law);
-        fold.named.clone_from(&fold.law);
+        fold.firm.clone_from(&bare);
+        fold.named = bare;
     }
     Some(fold)
 }

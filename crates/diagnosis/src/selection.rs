@@ -262,7 +262,8 @@ fn select_beside(
     let mut chosen: Option<Stand> = None;
     let mut explained = 0.0;
     for round in 0..MOST_EFFECTS {
-        let threshold = if round < expected {
+        // What is plain comes in as in the whole campaign; a fold goes on to what is not.
+        let admitted = if round < expected {
             ALPHA_FOLD.ln()
         } else {
             strict
@@ -286,14 +287,15 @@ fn select_beside(
             break;
         };
         // The first round asks all that come near; later ones must pass on their own.
-        if top.log_p > threshold || cannot_matter(round, found, explained) {
+        if top.log_p > admitted || cannot_matter(round, found, explained) {
             break;
         }
+        let threshold = if top.log_p > strict { admitted } else { strict };
         let Some(step) = step(bench, &subset, stand, found, threshold, depth, warm) else {
             break;
         };
         let beyond_shape = round == 0 || step.drop > SHAPE_TOLERANCE.powi(2) * explained;
-        if !(step.drop > IDLE) || !beyond_shape || (round > 0 && step.log_p > threshold) {
+        if !(step.drop > IDLE) || !beyond_shape || (round > 0 && step.log_p > admitted) {
             break;
         }
         if round == 0 {
@@ -311,7 +313,7 @@ fn select_beside(
             return select_beside(bench, subset, (law, found), depth, warm, false);
         }
         let last = next.fitted.effects.len() - 1;
-        if step.log_p * share_without_blows(bench, &subset, &next, last) > threshold {
+        if step.log_p * share_without_blows(bench, &subset, &next, last) > admitted {
             break;
         }
         explained += step.drop;
