@@ -32,8 +32,9 @@ pub(crate) fn bursts(ground: &Ground, samples: &Samples, names: &[String], beyon
     if !beyond {
         searches.push(unrest(&clipped, samples, names));
         searches.push(rhythm(&clipped, samples, names));
-        searches.push(crowd(&y, samples, names));
-        searches.push(spikes(&y, samples, names));
+        let level = levelled(y.as_slice(), &samples.runs);
+        searches.push(crowd(&level, samples, names));
+        searches.push(spikes(&level, samples, names));
     }
     let price = (searches.len() as f64).ln();
     let mut best = searches
@@ -84,9 +85,8 @@ fn blow(y: &DVector<f64>, samples: &Samples, names: &[String]) -> Lack {
 }
 
 /// A crowd of blows: a stretch in which more samples lie beyond a level than come together by chance.
-fn crowd(y: &DVector<f64>, samples: &Samples, names: &[String]) -> Lack {
-    let y = levelled(y.as_slice(), &samples.runs);
-    let Some(found) = Crowd::thickest(&y, &samples.runs) else {
+fn crowd(y: &[f64], samples: &Samples, names: &[String]) -> Lack {
+    let Some(found) = Crowd::thickest(y, &samples.runs) else {
         return Lack::nothing();
     };
     let within = found.first..found.first + WINDOW;
@@ -105,7 +105,7 @@ fn crowd(y: &DVector<f64>, samples: &Samples, names: &[String]) -> Lack {
 
 /// A residual without its level over a window about each sample, of mean square one: the gain of a run is in the whitened residual too, and
 /// no blow.
-pub(crate) fn levelled(y: &[f64], runs: &[Range<usize>]) -> Vec<f64> {
+fn levelled(y: &[f64], runs: &[Range<usize>]) -> Vec<f64> {
     let mut level = Vec::with_capacity(y.len());
     for run in runs {
         let own = &y[run.clone()];

@@ -113,35 +113,38 @@ pub(crate) fn fold(
         })
         .collect();
     let (law, extended) = (whole.prediction(&reference), whole.prediction(full));
-    let instead = instead(bench, whole, &own, warm, named);
-    let mut fold = Fold {
-        held: held.to_vec(),
-        stated: whole.stated_prediction(&own.baseline.fitted),
-        placebos: placebos(bench, &own, &reference, &asked.scrambled, *shifted),
-        searched: reference.prediction,
-        lacking,
-        again: named.iter().any(|cause| own.is_plain(cause)),
-        firm: extended.clone(),
-        named: instead,
-        doubt: doubt(&own.stand),
+    let held = held.to_vec();
+    let stated = whole.stated_prediction(&own.baseline.fitted);
+    let placebos = placebos(bench, &own, &reference, &asked.scrambled, *shifted);
+    let doubt = doubt(&own.stand);
+    // The law that the fold fitted, which is another one than the reference only where that is stated elsewhere.
+    let bare = match *shifted {
+        true => whole.prediction(&own.baseline.fitted),
+        false => law.clone(),
+    };
+    let plain = named.iter().any(|cause| own.is_plain(cause));
+    let instead = (own.is_plain(&full.effects)).then(|| instead(bench, whole, &own, warm, named));
+    let (again, firm, named) = match instead.filter(|_| keeps_names(bench, own)) {
+        Some(instead) => (plain, extended.clone(), instead),
+        None => (false, bare.clone(), bare),
+    };
+    Some(Fold {
+        held,
+        stated,
         law,
         extended,
-    };
-    let bare = whole.prediction(&own.baseline.fitted);
-    if !would_name(bench, own) {
-        fold.again = false;
-        fold.firm.clone_from(&bare);
-        fold.named = bare;
-    }
-    Some(fold)
+        firm,
+        named,
+        searched: reference.prediction,
+        lacking,
+        again,
+        placebos,
+        doubt,
+    })
 }
 
-/// Whether a fold would have named something, were it the whole campaign.
-fn would_name(bench: &Bench<'_>, mut own: Selected) -> bool {
-    let effects = own.stand.fitted.effects.clone();
-    if !own.is_plain(&effects) {
-        return false;
-    }
+/// Whether what a fold has named would stay named, were it the whole campaign.
+fn keeps_names(bench: &Bench<'_>, mut own: Selected) -> bool {
     own.left = lack(bench, &own.subset, &own.stand);
     take_back(bench, &mut own);
     !own.stand.fitted.effects.is_empty()

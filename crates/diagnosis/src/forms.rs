@@ -20,20 +20,20 @@ const STARTS: usize = 3;
 pub(crate) fn plainest(bench: &Bench<'_>, subset: &Subset, mut stand: Stand) -> Option<Stand> {
     for k in 0..stand.fitted.effects.len() {
         let own = stand.fitted.effects[k];
-        let plain = bench.catalogue[..own]
-            .iter()
-            .position(|other| other.id() == bench.catalogue[own].id());
         // A refined form came in by beating the plain one.
-        let other =
-            plain.filter(|&plain| !is_dear(bench, plain) && !bench.catalogue[own].refines());
-        let Some(plain) = other else {
+        if !is_second_form(bench, own) || bench.catalogue[own].refines() {
+            continue;
+        }
+        let plain = forms_of(bench, own).next();
+        let Some(plain) = plain.filter(|&plain| !is_dear(bench, plain)) else {
             continue;
         };
         let dearer = search_price(bench, own) - search_price(bench, plain);
-        let Some(fit) = in_place(bench, subset, &stand, k, plain) else {
+        let starts = bench.catalogue[plain].starts(&bench.experiment);
+        let Some((deviance, fit)) = in_place(bench, subset, &stand, (k, plain), &starts) else {
             continue;
         };
-        if stand.deviance_of(bench, subset, &fit) > stand.deviance + dearer {
+        if deviance > stand.deviance + dearer {
             continue;
         }
         let found = Scan::empty(bench, Some(stand.sizes));
@@ -58,19 +58,13 @@ pub(crate) fn refine_last(
     if is_second_form(bench, own) {
         return Some(stand);
     }
-    let context = subset.context_of(bench, fitted);
-    let whitener = stand
-        .whitener
-        .with_scatter(&context, likely_scatter(&stand));
     let best = forms_of(bench, own)
         .filter(|&form| bench.catalogue[form].refines())
         .filter_map(|form| {
-            let mut effects = fitted.effects.clone();
-            effects[k] = form;
-            let start = fitted.with_own(k, &refined_start(bench, fitted, k, form));
-            let fit = bench.fit(subset, &effects, &start, &whitener, None, STEPS)?;
+            let start = refined_start(bench, fitted, k, form);
+            let (deviance, fit) = in_place(bench, subset, &stand, (k, form), &[start])?;
             let dearer = search_price(bench, form) - search_price(bench, own);
-            Some((stand.deviance_of(bench, subset, &fit) + dearer, fit))
+            Some((deviance + dearer, fit))
         })
         .min_by(|a, b| a.0.total_cmp(&b.0));
     let Some((_, fit)) = best.filter(|best| best.0 < stand.deviance - worth) else {
@@ -97,22 +91,21 @@ fn refined_start(bench: &Bench<'_>, fitted: &Fitted, k: usize, form: usize) -> V
     start
 }
 
-/// The set with another form in the place of its k-th cause.
+/// The set with another form in the place of its k-th cause, from the form's starts, and its deviance under the stand's noise.
 fn in_place(
     bench: &Bench<'_>,
     subset: &Subset,
     stand: &Stand,
-    k: usize,
-    form: usize,
-) -> Option<Fitted> {
+    (k, form): (usize, usize),
+    starts: &[Vec<f64>],
+) -> Option<(f64, Fitted)> {
     let fitted = &stand.fitted;
     let mut effects = fitted.effects.clone();
     effects[k] = form;
     let model = bench.model(&effects)?;
     let context = subset.context_of(bench, fitted);
     let whitener = stand.whitener.with_scatter(&context, likely_scatter(stand));
-    let mut starts: Vec<(f64, Vec<f64>)> = bench.catalogue[form]
-        .starts(&bench.experiment)
+    let mut starts: Vec<(f64, Vec<f64>)> = starts
         .iter()
         .map(|own| fitted.with_own(k, own))
         .map(|start| {
@@ -126,5 +119,5 @@ fn in_place(
         let fit = bench.fit(subset, &effects, start, &whitener, None, STEPS)?;
         Some((stand.deviance_of(bench, subset, &fit), fit))
     });
-    fits.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, fit)| fit)
+    fits.min_by(|a, b| a.0.total_cmp(&b.0))
 }

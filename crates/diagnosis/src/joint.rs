@@ -185,9 +185,7 @@ pub(crate) fn search_price(bench: &Bench<'_>, cause: usize) -> f64 {
 
 /// Whether a cause stands in the catalogue in a plainer form before.
 pub(crate) fn is_second_form(bench: &Bench<'_>, cause: usize) -> bool {
-    let id = bench.catalogue[cause].id();
-    let before = &bench.catalogue[..cause];
-    before.iter().any(|other| other.id() == id)
+    forms_of(bench, cause).next() != Some(cause)
 }
 
 /// Every form in which the catalogue has a cause.

@@ -103,9 +103,8 @@ pub(crate) struct Warm {
 impl Selected {
     /// Whether one of these causes is in the set and was seen as plainly as what a whole campaign names.
     pub(crate) fn is_plain(&self, causes: &[usize]) -> bool {
-        let effects = self.stand.fitted.effects.iter().zip(&self.entry_log_p);
-        let own = effects.filter(|(effect, _)| causes.contains(effect));
-        own.fold(0.0, |least: f64, (_, log_p)| least.min(*log_p)) < strict(&self.first)
+        let mut effects = self.stand.fitted.effects.iter().zip(&self.entry_log_p);
+        effects.any(|(effect, log_p)| causes.contains(effect) && *log_p < strict(&self.first))
     }
 
     /// Where another selection on nearly the same data may start.
@@ -250,10 +249,11 @@ fn select_beside(
         .map_or(0, |warm| warm.causes.len());
     let best = first.candidates.first().map_or(0.0, |c| c.log_p);
     // Nobody asks a fold whether there is anything at all.
-    let general = match depth {
-        Depth::Full => lack(bench, &subset, &base),
+    let left_beside = |subset: &Subset, stand: &Stand| match depth {
+        Depth::Full => lack(bench, subset, stand),
         Depth::Fold => Lack::nothing(),
     };
+    let general = left_beside(&subset, &base);
     let gate_log_p = (best + (first.asked.max(1) as f64 / 0.5).ln())
         .min(general.log_p + 2.0_f64.ln())
         .min(0.0);
@@ -352,10 +352,7 @@ fn select_beside(
             Stand::new(bench, &subset, base.fitted.clone(), base.sizes)
         }
         Some(stand) => {
-            left = match depth {
-                Depth::Full => lack(bench, &subset, &stand),
-                Depth::Fold => Lack::nothing(),
-            };
+            left = left_beside(&subset, &stand);
             base = Stand::new(bench, &subset, base.fitted.clone(), stand.sizes);
             stand
         }

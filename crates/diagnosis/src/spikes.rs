@@ -14,11 +14,10 @@
 
 use std::ops::Range;
 
-use nalgebra::DVector;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::answer::Place;
-use crate::bursts::{levelled, log_poisson_tail};
+use crate::bursts::log_poisson_tail;
 use crate::general::Lack;
 use crate::samples::Samples;
 
@@ -35,10 +34,9 @@ const UNEVEN_NEAR: f64 = 1.2;
 /// Samples within which several far out are one spike.
 const TOGETHER: usize = 5;
 
-/// Spikes in the whitened residual, and the runs that hold them.
-pub(crate) fn spikes(y: &DVector<f64>, samples: &Samples, names: &[String]) -> Lack {
-    let y = levelled(y.as_slice(), &samples.runs);
-    let Some((log_p, found)) = far_out(&y, &samples.runs).filter(|(log_p, _)| *log_p < 0.0) else {
+/// Spikes in the whitened residual without its level, and the runs that hold them.
+pub(crate) fn spikes(y: &[f64], samples: &Samples, names: &[String]) -> Lack {
+    let Some((log_p, found)) = far_out(y, &samples.runs).filter(|(log_p, _)| *log_p < 0.0) else {
         return Lack::nothing();
     };
     Lack {

@@ -154,11 +154,7 @@ impl Cause for OscillationOfTheDay {
 pub struct EdgedOscillation;
 
 impl Cause for EdgedOscillation {
-    periodic::refined_form!(
-        LoadOscillation,
-        Edged,
-        &[periodic::SIN, periodic::COS, FREQUENCY, periodic::EDGES]
-    );
+    periodic::refined_form!(LoadOscillation, Edged, FREQUENCY);
 
     fn factor<D: Scalar>(&self, p: &[D], at: Place<'_>, _friction_n: &[D], factor: &mut [D], _memory: &mut [D]) {
         swing::<Edged, D>(p, 0.0, &at.run.time_s, factor);
@@ -170,19 +166,7 @@ impl Cause for EdgedOscillation {
 pub struct HarmonicOscillation;
 
 impl Cause for HarmonicOscillation {
-    periodic::refined_form!(
-        LoadOscillation,
-        Harmonics,
-        &[
-            periodic::SIN,
-            periodic::COS,
-            FREQUENCY,
-            periodic::SECOND_SIN,
-            periodic::SECOND_COS,
-            periodic::THIRD_SIN,
-            periodic::THIRD_COS,
-        ]
-    );
+    periodic::refined_form!(LoadOscillation, Harmonics, FREQUENCY);
 
     fn factor<D: Scalar>(&self, p: &[D], at: Place<'_>, _friction_n: &[D], factor: &mut [D], _memory: &mut [D]) {
         swing::<Harmonics, D>(p, 0.0, &at.run.time_s, factor);

@@ -24,9 +24,9 @@ pub(super) fn demanded(reported: &BTreeMap<String, f64>, marker: &str) -> Result
         .ok_or_else(|| marker.to_owned())
 }
 
-/// What a marked form shares with its plain one: everything but the variant, what a campaign must have, where a scan looks, and the hook.
-macro_rules! marked_form {
-    ($plain:ident, $variant:literal, $marker:ident) => {
+/// What a further form of any kind shares with its plain one.
+macro_rules! form_of {
+    ($plain:ident, $variant:expr) => {
         fn id(&self) -> &'static str {
             $plain.id()
         }
@@ -46,6 +46,14 @@ macro_rules! marked_form {
         fn describe(&self) -> &'static str {
             $plain.describe()
         }
+    };
+}
+pub(super) use form_of;
+
+/// What a marked form shares with its plain one: everything but the variant, what a campaign must have, where a scan looks, and the hook.
+macro_rules! marked_form {
+    ($plain:ident, $variant:literal, $marker:ident) => {
+        $crate::causes::marker::form_of!($plain, $variant);
 
         fn parameters(&self) -> &'static [friction::ParameterSpec] {
             $plain.parameters()

@@ -37,25 +37,24 @@ pub(super) const COS: ParameterSpec = ParameterSpec::new(
 
 /// How a periodic effect goes over its period.
 pub(super) trait Wave {
-    /// What tells the form from the plain one for a reader; of the sine nothing.
+    /// The factor at the phase x, p = (a, b, shape, ...).
+    fn ripple<D: Scalar>(p: &[D], x: D) -> D;
+}
+
+/// A wave that is asked for in the place of a sine.
+pub(super) trait Refined: Wave {
+    /// What tells the form from the plain one for a reader.
     const VARIANT: &'static str;
     /// Fitted parameters beside those of the sine.
     const FURTHER: &'static [ParameterSpec];
     /// Indices of fitted parameters that are sizes.
     const SIZES: &'static [usize];
-
-    /// The factor at the phase x, p = (a, b, shape, ...).
-    fn ripple<D: Scalar>(p: &[D], x: D) -> D;
 }
 
 /// 1 + a sin(x) + b cos(x).
 pub(super) enum Sine {}
 
 impl Wave for Sine {
-    const VARIANT: &'static str = "";
-    const FURTHER: &'static [ParameterSpec] = &[];
-    const SIZES: &'static [usize] = &[0, 1];
-
     fn ripple<D: Scalar>(p: &[D], x: D) -> D {
         let (sin, cos) = x.sin_cos();
         p[0] * sin + p[1] * cos + 1.0
@@ -77,11 +76,13 @@ pub(super) const EDGES: ParameterSpec = ParameterSpec::new(
     0.5,
 );
 
-impl Wave for Edged {
+impl Refined for Edged {
     const VARIANT: &'static str = "with edges";
     const FURTHER: &'static [ParameterSpec] = &[EDGES];
     const SIZES: &'static [usize] = &[0, 1];
+}
 
+impl Wave for Edged {
     fn ripple<D: Scalar>(p: &[D], x: D) -> D {
         let (sin, cos) = x.sin_cos();
         let sine = p[0] * sin + p[1] * cos;
@@ -108,11 +109,13 @@ pub(super) const THIRD_SIN: ParameterSpec =
 pub(super) const THIRD_COS: ParameterSpec =
     harmonic("third_cos", "amplitude of the third harmonic's cosine");
 
-impl Wave for Harmonics {
+impl Refined for Harmonics {
     const VARIANT: &'static str = "with harmonics";
     const FURTHER: &'static [ParameterSpec] = &[SECOND_SIN, SECOND_COS, THIRD_SIN, THIRD_COS];
     const SIZES: &'static [usize] = &[0, 1, 3, 4, 5, 6];
+}
 
+impl Wave for Harmonics {
     fn ripple<D: Scalar>(p: &[D], x: D) -> D {
         let overtone = |k: f64, sine: usize| {
             let (sin, cos) = (x * k).sin_cos();
@@ -161,44 +164,40 @@ pub(super) fn with_further(
     Ok(plain)
 }
 
-/// What a refined form shares with its plain one: everything but its wave and the hook.
+/// What a refined form shares with its plain one, whose shape this is: everything but its wave and the hook.
 macro_rules! refined_form {
-    ($plain:ident, $wave:ident, $parameters:expr) => {
-        fn id(&self) -> &'static str {
-            $plain.id()
-        }
-
-        fn variant(&self) -> Option<&'static str> {
-            Some(<$crate::causes::periodic::$wave as $crate::causes::periodic::Wave>::VARIANT)
-        }
-
-        fn station(&self) -> rig::Station {
-            $plain.station()
-        }
-
-        fn reach(&self) -> rig::Reach {
-            $plain.reach()
-        }
-
-        fn describe(&self) -> &'static str {
-            $plain.describe()
-        }
+    ($plain:ident, Edged, $shape:ident) => {
+        $crate::causes::periodic::refined_form!($plain, Edged, [$shape, EDGES]);
+    };
+    ($plain:ident, Harmonics, $shape:ident) => {
+        $crate::causes::periodic::refined_form!(
+            $plain,
+            Harmonics,
+            [$shape, SECOND_SIN, SECOND_COS, THIRD_SIN, THIRD_COS]
+        );
+    };
+    ($plain:ident, $wave:ident, [$shape:ident, $($further:ident),+]) => {
+        $crate::causes::marker::form_of!(
+            $plain,
+            <$crate::causes::periodic::$wave as $crate::causes::periodic::Refined>::VARIANT
+        );
 
         fn parameters(&self) -> &'static [friction::ParameterSpec] {
-            const PARAMETERS: &[friction::ParameterSpec] = $parameters;
+            use $crate::causes::periodic::{COS, SIN, $($further),+};
+            const PARAMETERS: &[friction::ParameterSpec] = &[SIN, COS, $shape, $($further),+];
             PARAMETERS
         }
 
         fn parameters_for(&self, experiment: &rig::Experiment) -> Vec<friction::ParameterSpec> {
             let mut specs = $plain.parameters_for(experiment);
             specs.extend_from_slice(
-                <$crate::causes::periodic::$wave as $crate::causes::periodic::Wave>::FURTHER,
+                <$crate::causes::periodic::$wave as $crate::causes::periodic::Refined>::FURTHER,
             );
             specs
         }
 
         fn sizes(&self) -> &'static [usize] {
-            <$crate::causes::periodic::$wave as $crate::causes::periodic::Wave>::SIZES
+            <$crate::causes::periodic::$wave as $crate::causes::periodic::Refined>::SIZES
         }
 
         fn shape_grid(&self, experiment: &rig::Experiment) -> Vec<Vec<f64>> {
@@ -223,7 +222,7 @@ macro_rules! refined_form {
 
         fn reported(&self, fitted: &[f64]) -> Vec<rig::Reported> {
             let further =
-                <$crate::causes::periodic::$wave as $crate::causes::periodic::Wave>::FURTHER;
+                <$crate::causes::periodic::$wave as $crate::causes::periodic::Refined>::FURTHER;
             $crate::causes::periodic::refined($plain.reported(&fitted[..3]), further, fitted)
         }
 
@@ -232,7 +231,7 @@ macro_rules! refined_form {
             reported: &std::collections::BTreeMap<String, f64>,
         ) -> Result<Vec<f64>, String> {
             let further =
-                <$crate::causes::periodic::$wave as $crate::causes::periodic::Wave>::FURTHER;
+                <$crate::causes::periodic::$wave as $crate::causes::periodic::Refined>::FURTHER;
             $crate::causes::periodic::with_further(
                 $plain.from_reported(reported)?,
                 further,

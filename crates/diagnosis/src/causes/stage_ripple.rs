@@ -89,7 +89,7 @@ impl Cause for StageRipple {
 pub struct EdgedRipple;
 
 impl Cause for EdgedRipple {
-    periodic::refined_form!(StageRipple, Edged, &[periodic::SIN, periodic::COS, PITCH, periodic::EDGES]);
+    periodic::refined_form!(StageRipple, Edged, PITCH);
 
     fn steps_a_sample(&self, p: &[f64], run: &RunMotion) -> usize {
         steps(p[2] / FINER, run)
@@ -105,15 +105,7 @@ impl Cause for EdgedRipple {
 pub struct HarmonicRipple;
 
 impl Cause for HarmonicRipple {
-    periodic::refined_form!(StageRipple, Harmonics, &[
-            periodic::SIN,
-            periodic::COS,
-            PITCH,
-            periodic::SECOND_SIN,
-            periodic::SECOND_COS,
-            periodic::THIRD_SIN,
-            periodic::THIRD_COS,
-        ]);
+    periodic::refined_form!(StageRipple, Harmonics, PITCH);
 
     fn steps_a_sample(&self, p: &[f64], run: &RunMotion) -> usize {
         steps(p[2] / FINER, run)

@@ -77,11 +77,7 @@ impl Cause for SurfaceTexture {
 pub struct EdgedTexture;
 
 impl Cause for EdgedTexture {
-    periodic::refined_form!(
-        SurfaceTexture,
-        Edged,
-        &[periodic::SIN, periodic::COS, WAVELENGTH, periodic::EDGES]
-    );
+    periodic::refined_form!(SurfaceTexture, Edged, WAVELENGTH);
 
     fn factor<D: Scalar>(&self, p: &[D], at: Place<'_>, _friction_n: &[D], factor: &mut [D], _memory: &mut [D]) {
         ripple::<Edged, D>(p, at, factor);
@@ -93,19 +89,7 @@ impl Cause for EdgedTexture {
 pub struct HarmonicTexture;
 
 impl Cause for HarmonicTexture {
-    periodic::refined_form!(
-        SurfaceTexture,
-        Harmonics,
-        &[
-            periodic::SIN,
-            periodic::COS,
-            WAVELENGTH,
-            periodic::SECOND_SIN,
-            periodic::SECOND_COS,
-            periodic::THIRD_SIN,
-            periodic::THIRD_COS,
-        ]
-    );
+    periodic::refined_form!(SurfaceTexture, Harmonics, WAVELENGTH);
 
     fn factor<D: Scalar>(&self, p: &[D], at: Place<'_>, _friction_n: &[D], factor: &mut [D], _memory: &mut [D]) {
         ripple::<Harmonics, D>(p, at, factor);
