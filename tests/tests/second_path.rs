@@ -148,7 +148,7 @@ fn second_forms_agree_too() {
         ("dwell-ageing", "fading_distance_m"),
         ("dwell-ageing", "lost_in_turning"),
         ("dwell-ageing", "of_the_whole_curve"),
-        ("sensor-lag", "two_stages"),
+        ("sensor-lag", "second_order"),
     ];
     assert!(wanted.iter().all(|form| seen.contains(form)), "{seen:?}");
 }
@@ -167,7 +167,7 @@ fn further_names(effect: &Effect) -> Vec<(&'static str, f64)> {
         },
         Effect::SensorLag { filter, .. } => match filter {
             Filter::FirstOrder => Vec::new(),
-            Filter::SecondOrder => vec![("two_stages", 1.0)],
+            Filter::SecondOrder => vec![("second_order", 0.25)],
         },
         _ => Vec::new(),
     }

@@ -218,7 +218,7 @@ fn integrity_findings(bench: &Bench<'_>, integrity: &Integrity) -> Vec<Finding> 
     let rotary = bench.experiment.axis == campaign::Axis::Rotary;
     let unit = if rotary { "N m" } else { "N" };
     [
-        ("force-saturation", "level_n", integrity.saturation),
+        ("force-saturation", "level_n", integrity.saturation()),
         ("force-resolution", "step_n", integrity.resolution),
     ]
     .into_iter()

@@ -6,6 +6,7 @@
 
 use crate::bench::{Bench, Fitted};
 use crate::joint::{forms_of, is_dear, is_second_form, search_price};
+use crate::look_back::EXCHANGE;
 use crate::scan::Scan;
 use crate::selection::{likely_scatter, settle};
 use crate::stand::Stand;
@@ -45,7 +46,9 @@ pub(crate) fn plainest(bench: &Bench<'_>, subset: &Subset, mut stand: Stand) -> 
     Some(stand)
 }
 
-/// The set with its last cause in the refined form that saves most, where that is worth `worth` and its further parameters.
+/// The set with its last cause in the refined form that saves most: a form of its own where that is worth `worth` and its further
+/// parameters, or one of a cause that it is mistaken for (what a channel of second order does, a delay does nearly), of which neither has
+/// the right of the first.
 pub(crate) fn refine_last(
     bench: &Bench<'_>,
     subset: &Subset,
@@ -58,37 +61,56 @@ pub(crate) fn refine_last(
     if is_second_form(bench, own) {
         return Some(stand);
     }
-    let best = forms_of(bench, own)
-        .filter(|&form| bench.catalogue[form].refines())
+    let best = refined_forms(bench, own)
         .filter_map(|form| {
-            let start = refined_start(bench, fitted, k, form);
-            let (deviance, fit) = in_place(bench, subset, &stand, (k, form), &[start])?;
+            let starts = refined_starts(bench, fitted, k, form);
+            let (deviance, fit) = in_place(bench, subset, &stand, (k, form), &starts)?;
             let dearer = search_price(bench, form) - search_price(bench, own);
-            Some((deviance + dearer, fit))
+            let is_own = bench.catalogue[form].id() == bench.catalogue[own].id();
+            let worth = if is_own { worth } else { EXCHANGE };
+            Some((deviance + dearer + worth, fit, dearer + worth))
         })
         .min_by(|a, b| a.0.total_cmp(&b.0));
-    let Some((_, fit)) = best.filter(|best| best.0 < stand.deviance - worth) else {
+    let Some((_, fit, worth)) = best.filter(|best| best.0 < stand.deviance) else {
         return Some(stand);
     };
     let found = Scan::empty(bench, Some(stand.sizes));
     let next = settle(bench, subset, &fit, &found)?;
-    Some(if next.deviance < stand.deviance - worth {
+    Some(if next.deviance + worth < stand.deviance {
         next
     } else {
         stand
     })
 }
 
-/// Where the fit of a refined form begins: what the plain one shows, and its further shapes at their typical values.
-fn refined_start(bench: &Bench<'_>, fitted: &Fitted, k: usize, form: usize) -> Vec<f64> {
+/// The refined forms that are asked in the place of a cause.
+fn refined_forms<'a>(bench: &'a Bench<'_>, own: usize) -> impl Iterator<Item = usize> + 'a {
+    let (id, others) = {
+        let own = &bench.catalogue[own];
+        (own.id(), own.mistaken_for())
+    };
+    (0..bench.catalogue.len()).filter(move |&form| {
+        let form = &bench.catalogue[form];
+        form.refines()
+            && (form.id() == id || others.contains(&form.id()))
+            && form.lack(&bench.experiment).is_none()
+    })
+}
+
+/// Where the fit of a refined form begins: what the plain one shows, and its further shapes at their typical values. Another cause has
+/// parameters of its own.
+fn refined_starts(bench: &Bench<'_>, fitted: &Fitted, k: usize, form: usize) -> Vec<Vec<f64>> {
     let effect = &bench.catalogue[form];
+    if effect.id() != bench.catalogue[fitted.effects[k]].id() {
+        return effect.starts(&bench.experiment);
+    }
     let specs = effect.parameters_for(&bench.experiment);
     let mut start = fitted.parameters[fitted.model.span(k)].to_vec();
     for i in start.len()..specs.len() {
         let size = effect.sizes().contains(&i);
         start.push(if size { 0.0 } else { specs[i].typical });
     }
-    start
+    vec![start]
 }
 
 /// The set with another form in the place of its k-th cause, from the form's starts, and its deviance under the stand's noise.

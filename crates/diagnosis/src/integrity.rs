@@ -18,31 +18,56 @@ pub(crate) struct Read {
 }
 
 /// What was found in the numbers themselves.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Integrity {
-    /// Level at which the force clips, N.
-    pub(crate) saturation: Option<Read>,
+    /// Levels at which the force clips, that with the most samples first.
+    pub(crate) rails: Vec<Rail>,
     /// Step of the force channel, N.
     pub(crate) resolution: Option<Read>,
 }
 
-/// Looks for a flat top and for a coarse step; `noise` is the white noise of the force channel, N.
-pub(crate) fn inspect(campaign: &Campaign, noise: f64) -> Integrity {
-    let step = coarse_step(forces(campaign));
-    let top = flat_top(campaign, step.map(|s| s.value));
-    Integrity {
-        saturation: top.map(|value| Read {
-            value,
-            half: 0.5 * last_digit(&forces(campaign), value),
-        }),
-        resolution: step.filter(|s| s.value > NAMED * noise),
+impl Integrity {
+    /// Level at which the force clips, N.
+    pub(crate) fn saturation(&self) -> Option<Read> {
+        self.rails.first().map(|rail| rail.level)
     }
 }
 
-/// Forces of all runs, N.
-fn forces(campaign: &Campaign) -> Vec<f64> {
-    let runs = campaign.runs.iter();
-    runs.flat_map(|r| r.force_n.iter().copied()).collect()
+/// Where a channel ends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rail {
+    /// Level, N, its sign left out.
+    pub(crate) level: Read,
+    side: Side,
+}
+
+/// Which forces a rail holds back.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Side {
+    Positive,
+    Negative,
+    Both,
+}
+
+impl Side {
+    /// How far a force reaches towards the rail, N.
+    fn reach(self, force_n: f64) -> f64 {
+        match self {
+            Self::Positive => force_n,
+            Self::Negative => -force_n,
+            Self::Both => force_n.abs(),
+        }
+    }
+}
+
+/// Looks for a flat top and for a coarse step; `noise` is the white noise of the force channel, N.
+pub(crate) fn inspect(campaign: &Campaign, noise: f64) -> Integrity {
+    let runs: Vec<&[f64]> = campaign.runs.iter().map(|r| &r.force_n[..]).collect();
+    let step = coarse_step(runs.concat());
+    Integrity {
+        rails: rails(&runs, step.map(|s| s.value)),
+        resolution: step.filter(|s| s.value > NAMED * noise),
+    }
 }
 
 /// The last digit in which forces near a level are written, N: 10^-d with the fewest decimals d that leave nothing over.
@@ -75,49 +100,78 @@ pub(crate) fn is_staircase(step: f64, noise: f64) -> bool {
     step > 1.5 * noise
 }
 
-/// The largest |force| where at least two stretches or one long stretch of samples sit on it exactly.
-fn flat_top(campaign: &Campaign, step: Option<f64>) -> Option<f64> {
-    let top = campaign
-        .runs
-        .iter()
-        .flat_map(|r| r.force_n.iter())
-        .fold(0.0_f64, |m, f| m.max(f.abs()));
-    if !(top > 0.0) {
-        return None;
+/// A rail lower than this share of the largest |force| is none: readings at rest agree by their last digit.
+const LOWEST_RAIL: f64 = 0.2;
+
+/// The levels on which the force is clipped: one for both signs where they are equal, or where the other sign does not reach it.
+fn rails(runs: &[&[f64]], step: Option<f64>) -> Vec<Rail> {
+    let sides = [Side::Positive, Side::Negative];
+    let mut flat: Vec<(Side, Flat)> = sides
+        .into_iter()
+        .filter_map(|side| Some((side, Flat::of(runs, side, step)?)))
+        .collect();
+    let all = runs.concat();
+    let farthest = |side: Side| all.iter().map(|&f| side.reach(f)).fold(0.0, f64::max);
+    let most = farthest(Side::Both);
+    flat.retain(|(_, flat)| flat.level >= LOWEST_RAIL * most);
+    flat.sort_by_key(|(_, flat)| std::cmp::Reverse(flat.samples));
+    let level = |k: usize| flat.get(k).map(|(_, flat)| flat.level);
+    let is_one = match (level(0), level(1)) {
+        (Some(a), Some(b)) => (a - b).abs() <= SAME_LEVEL * a,
+        (Some(a), None) => most <= a * (1.0 + SAME_LEVEL),
+        _ => false,
+    };
+    if is_one {
+        flat.truncate(1);
     }
-    let tolerance = 1e-9 * top;
-    let (mut on_top, mut longest, mut total) = (0, 0, 0);
-    for run in &campaign.runs {
-        on_top = 0;
-        for f in &run.force_n {
-            if (f.abs() - top).abs() <= tolerance {
-                on_top += 1;
-                total += 1;
-                longest = longest.max(on_top);
-            } else {
-                on_top = 0;
-            }
+    let rail = |(side, Flat { level, .. }): (Side, Flat)| Rail {
+        level: Read {
+            value: level,
+            half: 0.5 * last_digit(&all, level),
+        },
+        side: if is_one { Side::Both } else { side },
+    };
+    flat.into_iter().map(rail).collect()
+}
+
+/// Relative difference of levels that are one.
+const SAME_LEVEL: f64 = 1e-9;
+
+/// An extreme of one side on which stretches of samples sit exactly.
+struct Flat {
+    level: f64,
+    samples: usize,
+}
+
+impl Flat {
+    fn of(runs: &[&[f64]], side: Side, step: Option<f64>) -> Option<Self> {
+        let reaches = |run: &&[f64]| run.iter().map(|&f| side.reach(f)).collect();
+        let runs: Vec<Vec<f64>> = runs.iter().map(reaches).collect();
+        let level = runs.iter().flatten().copied().fold(0.0, f64::max);
+        if !(level > 0.0) {
+            return None;
         }
-    }
-    let _ = on_top;
-    // On a coarse channel neighbours agree by rounding: then the top must hold far more samples than its neighbour.
-    let crowded = step.is_none_or(|s| {
-        let below = campaign
-            .runs
+        let is_on = |f: &f64| (f - level).abs() <= SAME_LEVEL * level;
+        let longest = runs
             .iter()
-            .flat_map(|r| r.force_n.iter())
-            .filter(|f| (f.abs() - (top - s)).abs() <= 0.25 * s)
-            .count();
-        total > 4 * (below + FLAT)
-    });
-    (longest >= FLAT && crowded).then_some(top)
+            .flat_map(|run| run.split(|f| !is_on(f)).map(<[f64]>::len))
+            .max()?;
+        let samples = runs.iter().flatten().filter(|f| is_on(f)).count();
+        // On a coarse channel neighbours agree by rounding: then the top must hold far more samples than its neighbour.
+        let crowded = step.is_none_or(|step| {
+            let near = |f: &&f64| (**f - (level - step)).abs() <= 0.25 * step;
+            let below = runs.iter().flatten().filter(near).count();
+            samples > 4 * (below + FLAT)
+        });
+        (longest >= FLAT && crowded).then_some(Self { level, samples })
+    }
 }
 
 /// Samples on a flat top and those that it picks out: where friction comes near the level, only what the noise took below it is
 /// left. How far that reaches is read off the stretches between clipped samples.
-pub(crate) fn beside_flat_top(campaign: &Campaign, level: f64) -> Vec<bool> {
+pub(crate) fn beside_flat_top(campaign: &Campaign, rail: &Rail) -> Vec<bool> {
     let runs = campaign.runs.iter();
-    let tops: Vec<Top> = runs.map(|run| Top::of(&run.force_n, level)).collect();
+    let tops: Vec<Top> = runs.map(|run| Top::of(&run.force_n, rail)).collect();
     let mut dips: Vec<f64> = tops.iter().flat_map(Top::dips).collect();
     dips.sort_by(f64::total_cmp);
     let deepest = match dips.len() {
@@ -135,15 +189,19 @@ const DEEP: f64 = 0.95;
 /// One run below a level.
 struct Top {
     level: f64,
-    /// |force|, N.
+    /// How far the force reaches towards the level, N.
     sizes: Vec<f64>,
     clipped: Vec<bool>,
 }
 
 impl Top {
-    fn of(forces: &[f64], level: f64) -> Self {
-        let sizes: Vec<f64> = forces.iter().map(|f| f.abs()).collect();
-        let clipped = sizes.iter().map(|f| *f >= level * (1.0 - 1e-9)).collect();
+    fn of(forces: &[f64], rail: &Rail) -> Self {
+        let level = rail.level.value;
+        let sizes: Vec<f64> = forces.iter().map(|&f| rail.side.reach(f)).collect();
+        let clipped = sizes
+            .iter()
+            .map(|f| *f >= level * (1.0 - SAME_LEVEL))
+            .collect();
         Self {
             level,
             sizes,
@@ -239,6 +297,32 @@ fn slope(x: &[f64], y: &[f64]) -> Option<Read> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A channel that clips both signs, one of them with the other beyond, at two levels, or none.
+    #[test]
+    fn each_sign_may_end_at_its_own_rail() {
+        let swing = |low: f64, high: f64| -> Vec<f64> {
+            let force = |i: i32| (0.05 * f64::from(i)).sin() + 1e-3 * (1.7 * f64::from(i)).sin();
+            (0..600).map(|i| force(i).clamp(-low, high)).collect()
+        };
+        let found = |low: f64, high: f64| -> Vec<(Side, f64)> {
+            let run = swing(low, high);
+            let of = |rail: Rail| (rail.side, rail.level.value);
+            rails(&[&run], None).into_iter().map(of).collect()
+        };
+        assert_eq!(found(0.9, 0.9), [(Side::Both, 0.9)]);
+        assert_eq!(found(2.0, 0.9), [(Side::Positive, 0.9)]);
+        assert_eq!(found(0.8, 2.0), [(Side::Negative, 0.8)]);
+        assert_eq!(
+            found(0.7, 0.9),
+            [(Side::Negative, 0.7), (Side::Positive, 0.9)]
+        );
+        assert_eq!(found(2.0, 2.0), []);
+        // Where the other sign does not come so far, the rail may hold both.
+        let halved = |f: f64| if f < 0.0 { 0.5 * f } else { f };
+        let run: Vec<f64> = swing(2.0, 0.9).into_iter().map(halved).collect();
+        assert_eq!(rails(&[&run], None)[0].side, Side::Both);
+    }
 
     /// Multiples of a step, written with few digits: the interval holds the step, which the smallest difference misses.
     #[test]

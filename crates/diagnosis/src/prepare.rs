@@ -7,7 +7,7 @@ use rig::{Experiment, ModelFile};
 use crate::bench::{Bench, conditions};
 use crate::causes;
 use crate::diagnose::{DiagnosisError, Options};
-use crate::integrity::{beside_flat_top, inspect};
+use crate::integrity::{Rail, beside_flat_top, inspect};
 use crate::prior::Prior;
 use crate::samples::Samples;
 
@@ -63,8 +63,7 @@ pub(crate) fn bench<'a>(
         _ => None,
     };
     let numbers = inspect(campaign, 0.0);
-    let level = numbers.saturation.map(|level| level.value);
-    let masked = masked(campaign, level, least_speed);
+    let masked = masked(campaign, &numbers.rails, least_speed);
     let mut samples = Samples::new(campaign);
     if let Some(file) = &options.model {
         take_extension_off(file, law, &mut experiment, &mut samples)?;
@@ -86,16 +85,16 @@ pub(crate) fn bench<'a>(
 /// Samples that say nothing about the law: those that a clipped channel hides or picks out (the flat top is a finding of its own),
 /// those at a standstill that a static law does not know, and both ends of a run, where no record tells from what its filters
 /// started and how long its stage took to change its acceleration.
-fn masked(campaign: &Campaign, saturation: Option<f64>, least_speed_m_s: f64) -> Vec<bool> {
-    let hidden = saturation.map(|level| beside_flat_top(campaign, level));
+fn masked(campaign: &Campaign, rails: &[Rail], least_speed_m_s: f64) -> Vec<bool> {
+    let hidden: Vec<Vec<bool>> = rails
+        .iter()
+        .map(|rail| beside_flat_top(campaign, rail))
+        .collect();
     let mut masked = Vec::new();
     for run in &campaign.runs {
         let first = masked.len();
         let last = first + run.force_n.len() - 1;
-        match &hidden {
-            Some(hidden) => masked.extend_from_slice(&hidden[first..=last]),
-            None => masked.resize(last + 1, false),
-        }
+        masked.extend((first..=last).map(|i| hidden.iter().any(|hidden| hidden[i])));
         // Without contact there is no friction: the reading is all that is asked for.
         if run.protocol != Protocol::Unloaded {
             for (masked, v) in masked[first..].iter_mut().zip(&run.velocity_m_s) {

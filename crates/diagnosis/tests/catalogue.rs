@@ -130,7 +130,7 @@ const VOCABULARY: [(&str, &str, &[&str]); 50] = [
     ("force-zero-drift", "sensor", &["rate_n_s"]),
     ("force-gain", "sensor", &["gain_minus_1"]),
     ("sensor-lag", "sensor", &["time_constant_s"]),
-    ("sensor-lag", "sensor", &["time_constant_s", "two_stages"]),
+    ("sensor-lag", "sensor", &["time_constant_s", "second_order"]),
     ("force-saturation", "sensor", &["level_n"]),
     ("force-resolution", "sensor", &["step_n"]),
     ("clock-offset", "clock", &["delay_s"]),
@@ -179,6 +179,11 @@ const VOCABULARY: [(&str, &str, &[&str]); 50] = [
     ("backlash", "coupling", &["gap_m"]),
     ("backlash", "coupling", &["gap_m", "carried_between_runs"]),
     ("velocity-lag", "sensor", &["time_constant_s"]),
+    (
+        "velocity-lag",
+        "sensor",
+        &["time_constant_s", "second_order"],
+    ),
     ("load-crosstalk", "sensor", &["ratio"]),
     ("moving-inertia", "coupling", &["mass_kg"]),
 ];

@@ -204,6 +204,11 @@ pub trait Cause: Hooks {
         false
     }
 
+    /// Other causes whose refined forms look like this one at first, and are asked in its place too.
+    fn mistaken_for(&self) -> &'static [&'static str] {
+        &[]
+    }
+
     /// Whether a period in time goes on between the runs, by the clock of the day, rather than begin anew with each of them.
     fn goes_on_between_runs(&self) -> bool {
         false

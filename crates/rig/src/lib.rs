@@ -20,6 +20,7 @@ mod model;
 mod model_file;
 mod refined;
 mod scales;
+pub mod second_order;
 pub mod signal;
 mod station;
 

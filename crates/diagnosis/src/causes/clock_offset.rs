@@ -44,6 +44,10 @@ impl Cause for ClockOffset {
         delays.iter().flat_map(|&t| [vec![t], vec![-t]]).collect()
     }
 
+    fn mistaken_for(&self) -> &'static [&'static str] {
+        &["sensor-lag", "velocity-lag"]
+    }
+
     fn lateness_s(&self, p: &[f64]) -> f64 {
         p[0]
     }

@@ -5,6 +5,7 @@
 mod grids;
 mod marker;
 mod periodic;
+mod second_order;
 
 macro_rules! catalogue {
     ($($module:ident :: $($form:ident),+;)*) => {
@@ -37,7 +38,7 @@ catalogue! {
     stage_tilt::StageTilt;
     force_zero_drift::ForceZeroDrift;
     force_gain::ForceGain;
-    sensor_lag::SensorLag, TwoStageLag;
+    sensor_lag::SensorLag, SecondOrderLag;
     force_saturation::ForceSaturation;
     force_resolution::ForceResolution;
     clock_offset::ClockOffset;
@@ -45,7 +46,7 @@ catalogue! {
     frictional_memory::MemoryInTime, MemoryInDistance, MagnitudeInTime, MagnitudeInDistance;
     dwell_ageing::DwellAgeing, TurnedAgeing, FadingAgeing, GrownContact;
     backlash::Backlash, CarriedBacklash;
-    velocity_lag::VelocityLag;
+    velocity_lag::VelocityLag, SecondOrderVelocityLag;
     load_crosstalk::LoadCrosstalk;
     moving_inertia::MovingInertia;
 }
