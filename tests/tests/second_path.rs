@@ -118,7 +118,7 @@ fn catalogue_and_planted_mechanisms_agree() {
     assert!(disagreements.is_empty(), "{}", disagreements.join("\n"));
 }
 
-/// Second forms that the catalogue knows exactly: an asymmetry that jumps, ageing in each of its ways to end, and a sensor of two stages.
+/// Second forms that the catalogue knows exactly: an asymmetry that jumps, ageing in each of its ways to end, and channels of two stages.
 #[test]
 fn second_forms_agree_too() {
     let mut seen = std::collections::BTreeSet::new();
@@ -126,6 +126,7 @@ fn second_forms_agree_too() {
         ("direction-asymmetry", 21..23),
         ("dwell-ageing", 21..29),
         ("sensor-lag", 21..22),
+        ("velocity-lag", 21..22),
     ] {
         for (protocol, seed) in [Protocol::Rich, Protocol::Drive]
             .into_iter()
@@ -149,6 +150,7 @@ fn second_forms_agree_too() {
         ("dwell-ageing", "lost_in_turning"),
         ("dwell-ageing", "of_the_whole_curve"),
         ("sensor-lag", "second_order"),
+        ("velocity-lag", "second_order"),
     ];
     assert!(wanted.iter().all(|form| seen.contains(form)), "{seen:?}");
 }
@@ -165,7 +167,7 @@ fn further_names(effect: &Effect) -> Vec<(&'static str, f64)> {
                 vec![("fading_distance_m", length_m), ("of_the_whole_curve", 1.0)]
             }
         },
-        Effect::SensorLag { filter, .. } => match filter {
+        Effect::SensorLag { filter, .. } | Effect::VelocityLag { filter, .. } => match filter {
             Filter::FirstOrder => Vec::new(),
             Filter::SecondOrder => vec![("second_order", 0.25)],
         },

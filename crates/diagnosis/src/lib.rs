@@ -57,6 +57,7 @@ mod stand;
 mod starts;
 mod steps;
 mod subset;
+mod swallowed;
 mod tail;
 mod ties;
 mod uniform;

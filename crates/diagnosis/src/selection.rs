@@ -21,6 +21,7 @@ use crate::scan::{Scan, scan, scan_without, smooth_beside};
 use crate::stand::{Likelihood, Stand};
 use crate::steps::levelled;
 use crate::subset::Subset;
+use crate::swallowed::{Recovered, swallowed};
 use crate::tail::log_chi2_tail;
 use crate::uniform::share_without_blows;
 use crate::valleys::deepest;
@@ -286,16 +287,21 @@ fn select_beside(
         let Some(top) = found.candidates.first() else {
             break;
         };
-        // The first round asks all that come near; later ones must pass on their own.
-        if top.log_p > admitted || cannot_matter(round, found, explained) {
+        if cannot_matter(round, found, explained) {
             break;
         }
+        // The first round asks all that come near; later ones must pass on their own.
         let threshold = if top.log_p > strict { admitted } else { strict };
-        let Some(step) = step(bench, &subset, stand, found, threshold, depth, warm) else {
+        let step = if top.log_p > admitted {
+            swallowed(bench, &subset, stand, found).map(Step::from)
+        } else {
+            step(bench, &subset, stand, found, threshold, depth, warm)
+        };
+        let Some(step) = step.filter(|step| round == 0 || step.log_p <= admitted) else {
             break;
         };
         let beyond_shape = round == 0 || step.drop > SHAPE_TOLERANCE.powi(2) * explained;
-        if !(step.drop > IDLE) || !beyond_shape || (round > 0 && step.log_p > admitted) {
+        if !(step.drop > IDLE) || !beyond_shape {
             break;
         }
         if round == 0 {
@@ -418,6 +424,17 @@ struct Step {
     log_p: f64,
     /// All that were fitted.
     tried: Vec<Single>,
+}
+
+impl From<Recovered> for Step {
+    fn from(recovered: Recovered) -> Self {
+        Self {
+            next: Next::Settled(Box::new(recovered.stand)),
+            drop: recovered.saved,
+            log_p: recovered.log_p,
+            tried: Vec::new(),
+        }
+    }
 }
 
 /// The best further cause beside a stand whose parameters cannot be trusted.

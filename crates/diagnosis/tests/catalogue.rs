@@ -10,7 +10,7 @@ use rig::{Cause, Experiment, Model, Requirement, Station};
 use rigs::{BRISTLE, LUGRE, rich};
 
 /// Ids, stations and reported parameters, as other programs know them.
-const VOCABULARY: [(&str, &str, &[&str]); 50] = [
+const VOCABULARY: [(&str, &str, &[&str]); 52] = [
     (
         "stage-ripple",
         "stage",
@@ -178,6 +178,7 @@ const VOCABULARY: [(&str, &str, &[&str]); 50] = [
     ),
     ("backlash", "coupling", &["gap_m"]),
     ("backlash", "coupling", &["gap_m", "carried_between_runs"]),
+    ("backlash", "coupling", &["gap_m", "softness"]),
     ("velocity-lag", "sensor", &["time_constant_s"]),
     (
         "velocity-lag",

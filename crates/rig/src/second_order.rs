@@ -14,9 +14,6 @@ const LEAST: f64 = 1e-6;
 /// the output is the input.
 pub fn lag_second_order<D: Scalar>(time_s: &[f64], signal: &mut [D], tau: D, b: D) {
     let Some(&first) = signal.first() else { return };
-    if tau.value() <= 0.0 {
-        return;
-    }
     let short = LEAST - b.value();
     let b = if short > 0.0 { b + short } else { b };
     let (mut before, mut y, mut rate) = (first, first, D::constant(0.0));

@@ -15,9 +15,9 @@ const DESCRIPTION: &str = "Play is crossed after a reversal before force builds.
 #[derive(Clone, Copy, Debug)]
 pub struct Backlash;
 
-const PARAMETERS: &[ParameterSpec] = &[
-    ParameterSpec::new("gap_m", "m", "width of the play", 0.0, 1e9, 1e-4).with_null(0.0),
-];
+const GAP: ParameterSpec =
+    ParameterSpec::new("gap_m", "m", "width of the play", 0.0, 1e9, 1e-4).with_null(0.0);
+const PARAMETERS: &[ParameterSpec] = &[GAP];
 
 /// Steps from sample to sample: a gap that is crossed between two samples is known no better than one of them.
 const STEPS: usize = 8;
@@ -136,6 +136,92 @@ impl Cause for CarriedBacklash {
     }
 }
 
+/// Stops that give way: of a step within the gap the share 1 - (1 - s/gap)^(1/softness) is lost, s the slack that is left. Softness 0
+/// is a gap between hard stops.
+#[derive(Clone, Copy, Debug)]
+pub struct SoftBacklash;
+
+const SOFTNESS: ParameterSpec = ParameterSpec::new("softness", "1", "how early the stops of the play give way", 0.02, 1.0, 0.5);
+
+impl Cause for SoftBacklash {
+    marker::form_of!(Backlash, "soft stops");
+
+    fn parameters(&self) -> &'static [ParameterSpec] {
+        const BOTH: &[ParameterSpec] = &[GAP, SOFTNESS];
+        BOTH
+    }
+
+    fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
+        let mut specs = bounds(experiment);
+        specs.push(SOFTNESS);
+        specs
+    }
+
+    fn requirements(&self) -> &'static [Requirement] {
+        Backlash.requirements()
+    }
+
+    fn starts(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+        let gaps = gaps(experiment).into_iter();
+        gaps.map(|gap| [gap, vec![SOFTNESS.typical]].concat()).collect()
+    }
+
+    fn refines(&self) -> bool {
+        true
+    }
+
+    fn steps_a_sample(&self, p: &[f64], run: &RunMotion) -> usize {
+        Backlash.steps_a_sample(p, run)
+    }
+
+    fn stage<D: Scalar>(&self, p: &[D], at: Place<'_>, velocity: &mut [D]) {
+        // A gap that is crossed at once is lost whole, whatever its stops.
+        if p[0].value() <= 0.0 {
+            cross(p[0], &at.run.time_s, 0.0, velocity);
+            return;
+        }
+        let mut slack = D::constant(0.0);
+        follow(&at.run.time_s, 0.0, velocity, |turned, path| {
+            if turned {
+                slack = p[0] - slack;
+            }
+            let before = slack;
+            give_way(p[0], p[1], &mut slack, path);
+            before - slack
+        });
+    }
+}
+
+/// Steps in which a way as long as the gap is gone through between soft stops,
+const STEPS_A_GAP: f64 = 8.0;
+/// and the share of the gap below which no slack is left.
+const NO_SLACK: f64 = 1e-9;
+
+/// Takes from the slack what is lost of a way within a gap with soft stops: d(slack)/d(way) = -(1 - (1 - slack/gap)^(1/softness)), by
+/// midpoints.
+fn give_way<D: Scalar>(gap: D, softness: D, slack: &mut D, path: D) {
+    let lost = |slack: D| {
+        let gone = -(slack / gap) + 1.0;
+        // Where the gap is whole nothing gives way yet.
+        if gone.value() > 1e-9 {
+            -(gone.ln() / softness).exp() + 1.0
+        } else {
+            D::constant(1.0)
+        }
+    };
+    let steps = (STEPS_A_GAP * (path / gap).value()).ceil().max(1.0);
+    let step = path / steps;
+    let mut gone = 0.0;
+    while gone < steps && slack.value() > NO_SLACK * gap.value() {
+        let middle = *slack - lost(*slack) * step * 0.5;
+        *slack -= lost(middle) * step;
+        gone += 1.0;
+    }
+    if slack.value() < 0.0 {
+        *slack = D::constant(0.0);
+    }
+}
+
 fn bounds(experiment: &Experiment) -> Vec<ParameterSpec> {
     let travel = experiment.scales.travel_m;
     vec![grids::bounded(&PARAMETERS[0], 0.0, 0.9 * travel, 0.01 * travel)]
@@ -149,29 +235,46 @@ fn gaps(experiment: &Experiment) -> Vec<Vec<f64>> {
 
 /// Takes the crossing of the gap out of a velocity. `heading`: the direction in which the play is taken up before the first
 /// sample, 0 for that of the first motion.
-fn cross<D: Scalar>(gap: D, time: &[f64], mut heading: f64, velocity: &mut [D]) {
-    let n = velocity.len();
+fn cross<D: Scalar>(gap: D, time: &[f64], heading: f64, velocity: &mut [D]) {
     let mut slack = D::constant(0.0);
+    follow(time, heading, velocity, |turned, path| {
+        if turned {
+            slack = gap - slack;
+        }
+        if slack.value() >= path.value() {
+            slack -= path;
+            path
+        } else {
+            std::mem::replace(&mut slack, D::constant(0.0))
+        }
+    });
+}
+
+/// Goes along a velocity and takes from each sample what is lost of its way: `lost` is told whether the motion has turned, and the way.
+fn follow<D: Scalar>(
+    time: &[f64],
+    mut heading: f64,
+    velocity: &mut [D],
+    mut lost: impl FnMut(bool, D) -> D,
+) {
+    let n = velocity.len();
     for i in 0..n {
         let v = velocity[i];
         if v.value() == 0.0 {
             continue;
         }
         let sign = v.value().signum();
-        if heading != 0.0 && sign != heading {
-            slack = gap - slack;
-        }
+        let turned = heading != 0.0 && sign != heading;
         heading = sign;
         // path of this sample's share of the record: the trapezium's weight
         let before = if i > 0 { time[i] - time[i - 1] } else { 0.0 };
         let after = if i + 1 < n { time[i + 1] - time[i] } else { 0.0 };
         let path = v * (sign * 0.5 * (before + after));
-        if slack.value() >= path.value() {
-            slack -= path;
-            velocity[i] = D::constant(0.0);
+        let lost = lost(turned, path);
+        velocity[i] = if lost.value() == path.value() {
+            D::constant(0.0)
         } else {
-            velocity[i] = v * (-(slack / path) + 1.0);
-            slack = D::constant(0.0);
-        }
+            v * (-(lost / path) + 1.0)
+        };
     }
 }

@@ -45,7 +45,7 @@ catalogue! {
     direction_asymmetry::DirectionAsymmetry, JumpingAsymmetry;
     frictional_memory::MemoryInTime, MemoryInDistance, MagnitudeInTime, MagnitudeInDistance;
     dwell_ageing::DwellAgeing, TurnedAgeing, FadingAgeing, GrownContact;
-    backlash::Backlash, CarriedBacklash;
+    backlash::Backlash, CarriedBacklash, SoftBacklash;
     velocity_lag::VelocityLag, SecondOrderVelocityLag;
     load_crosstalk::LoadCrosstalk;
     moving_inertia::MovingInertia;
