@@ -10,7 +10,7 @@ use rig::{Cause, Experiment, Model, Requirement, Station};
 use rigs::{BRISTLE, LUGRE, rich};
 
 /// Ids, stations and reported parameters, as other programs know them.
-const VOCABULARY: [(&str, &str, &[&str]); 52] = [
+const VOCABULARY: [(&str, &str, &[&str]); 53] = [
     (
         "stage-ripple",
         "stage",
@@ -128,6 +128,11 @@ const VOCABULARY: [(&str, &str, &[&str]); 52] = [
     ("force-zero-offset", "sensor", &["force_n"]),
     ("stage-tilt", "load", &["angle_rad"]),
     ("force-zero-drift", "sensor", &["rate_n_s"]),
+    (
+        "force-zero-drift",
+        "sensor",
+        &["rate_n_s", "settling_time_s"],
+    ),
     ("force-gain", "sensor", &["gain_minus_1"]),
     ("sensor-lag", "sensor", &["time_constant_s"]),
     ("sensor-lag", "sensor", &["time_constant_s", "second_order"]),

@@ -1,18 +1,18 @@
 //! The zero of the force channel moves with the campaign's clock: F + r T, T the time since the start of the first run (s),
-//! r the rate (N/s).
+//! r the rate (N/s); or it settles, r s (1 - e^(-T/s)), s the time in which it does (s).
 
 use friction::{ParameterSpec, Scalar};
 use rig::{Cause, Experiment, Place, Reach, Requirement, Station};
 
-use super::grids;
+use super::{grids, marker};
 
 /// The zero of the force channel drifts with the campaign's clock.
 #[derive(Clone, Copy, Debug)]
 pub struct ForceZeroDrift;
 
-const PARAMETERS: &[ParameterSpec] = &[
-    ParameterSpec::new("rate_n_s", "N/s", "rate of the zero", -1e9, 1e9, 1e-4).with_null(0.0),
-];
+const RATE: ParameterSpec =
+    ParameterSpec::new("rate_n_s", "N/s", "rate of the zero", -1e9, 1e9, 1e-4).with_null(0.0);
+const PARAMETERS: &[ParameterSpec] = &[RATE];
 
 impl Cause for ForceZeroDrift {
     fn id(&self) -> &'static str {
@@ -41,7 +41,7 @@ impl Cause for ForceZeroDrift {
 
     fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
         let rate = experiment.scales.force_n / grids::day_s(experiment);
-        vec![grids::bounded(&PARAMETERS[0], -3.0 * rate, 3.0 * rate, 0.02 * rate)]
+        vec![grids::bounded(&RATE, -3.0 * rate, 3.0 * rate, 0.02 * rate)]
     }
 
     fn requirements(&self) -> &'static [Requirement] {
@@ -52,6 +52,60 @@ impl Cause for ForceZeroDrift {
         let Some(started) = at.run.started_s else { return };
         for (f, &t) in force_n.iter_mut().zip(&at.run.time_s) {
             *f += p[0] * (started + t);
+        }
+    }
+}
+
+/// A channel that warms up: the zero moves at first and settles.
+#[derive(Clone, Copy, Debug)]
+pub struct SettlingZero;
+
+const SETTLING: ParameterSpec =
+    ParameterSpec::new("settling_time_s", "s", "time in which the zero settles", 0.0, 1e9, 1e3);
+
+/// Settling times that are told from a step at the start and from a straight line, shares of the campaign's day.
+const SETTLES: [f64; 2] = [0.02, 3.0];
+
+impl Cause for SettlingZero {
+    marker::form_of!(ForceZeroDrift, "settling");
+
+    fn rank(&self) -> u8 {
+        ForceZeroDrift.rank()
+    }
+
+    fn parameters(&self) -> &'static [ParameterSpec] {
+        const BOTH: &[ParameterSpec] = &[RATE, SETTLING];
+        BOTH
+    }
+
+    fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
+        let day = grids::day_s(experiment);
+        let [least, most] = SETTLES;
+        let rate = experiment.scales.force_n / (least * day);
+        vec![
+            grids::bounded(&RATE, -rate, rate, 1e-3 * rate),
+            grids::bounded(&SETTLING, least * day, most * day, 0.3 * day),
+        ]
+    }
+
+    fn shape_grid(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+        let day = grids::day_s(experiment);
+        [0.1, 0.3, 1.0].map(|share| vec![0.0, share * day]).to_vec()
+    }
+
+    fn refines(&self) -> bool {
+        true
+    }
+
+    fn requirements(&self) -> &'static [Requirement] {
+        ForceZeroDrift.requirements()
+    }
+
+    fn record<D: Scalar>(&self, p: &[D], at: Place<'_>, force_n: &mut [D]) {
+        let Some(started) = at.run.started_s else { return };
+        for (f, &t) in force_n.iter_mut().zip(&at.run.time_s) {
+            let left = (-(p[1].recip() * (started + t))).exp();
+            *f += p[0] * p[1] * (-left + 1.0);
         }
     }
 }

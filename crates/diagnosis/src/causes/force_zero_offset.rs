@@ -38,6 +38,10 @@ impl Cause for ForceZeroOffset {
         PARAMETERS
     }
 
+    fn mistaken_for(&self) -> &'static [&'static str] {
+        &["force-zero-drift"]
+    }
+
     fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
         let force = experiment.scales.force_n;
         vec![grids::bounded(&PARAMETERS[0], -force, force, 0.02 * force)]
