@@ -9,7 +9,8 @@ use crate::joint::search_price;
 use crate::left::lack;
 use crate::look_back::EXCHANGE;
 use crate::scan::Scan;
-use crate::selection::{Selected, settle};
+use crate::selection::Selected;
+use crate::settled::settle;
 
 /// Successions of one cause by another.
 const MOST: usize = 2;

@@ -7,7 +7,8 @@
 use nalgebra::DMatrix;
 
 use crate::bench::Bench;
-use crate::selection::{Selected, likely_scatter};
+use crate::selection::Selected;
+use crate::settled::likely_scatter;
 use crate::whole::Whole;
 
 /// Conditions that are left out as a whole, at most.

@@ -8,7 +8,7 @@ use crate::bench::{Bench, Fitted};
 use crate::joint::{forms_of, is_dear, is_second_form, search_price};
 use crate::look_back::EXCHANGE;
 use crate::scan::Scan;
-use crate::selection::{likely_scatter, settle};
+use crate::settled::{likely_scatter, settle};
 use crate::stand::Stand;
 use crate::subset::Subset;
 

@@ -11,7 +11,8 @@ use fitting::noise::{Sizes, left_s};
 
 use crate::bench::Bench;
 use crate::scan::Scan;
-use crate::selection::{Depth, settle};
+use crate::selection::Depth;
+use crate::settled::settle;
 use crate::stand::Stand;
 use crate::subset::Subset;
 

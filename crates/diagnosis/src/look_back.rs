@@ -5,8 +5,10 @@ use std::sync::OnceLock;
 
 use crate::bench::{Bench, Fitted};
 use crate::joint::{joint_fits, search_price, survivors};
+use crate::proposal::SURVIVORS;
 use crate::scan::{Candidate, Scan, scan, scan_period};
-use crate::selection::{Depth, SURVIVORS, Single, likely_scatter, settle};
+use crate::selection::{Depth, Single};
+use crate::settled::{likely_scatter, settle};
 use crate::stand::Stand;
 use crate::subset::Subset;
 

@@ -9,7 +9,7 @@ use rig::Station;
 use crate::bench::Bench;
 use crate::joint::joint_fits;
 use crate::scan::{Candidate, Scan};
-use crate::selection::settle;
+use crate::settled::settle;
 use crate::stand::Stand;
 use crate::subset::Subset;
 use crate::tail::log_chi2_tail;

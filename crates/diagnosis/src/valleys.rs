@@ -11,7 +11,7 @@ use rig::Paths;
 use crate::bench::{Bench, Fitted};
 use crate::joint::{MOST_SAMPLES_AFRESH, is_dear};
 use crate::scan::Scan;
-use crate::selection::{likely_scatter, settle};
+use crate::settled::{likely_scatter, settle};
 use crate::stand::Stand;
 use crate::starts::{ranked, with_laws};
 use crate::subset::Subset;

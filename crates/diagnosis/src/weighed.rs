@@ -30,7 +30,8 @@ use nalgebra::DMatrix;
 use crate::bench::Bench;
 use crate::floor;
 use crate::fold::Fold;
-use crate::selection::{ALPHA_GENERAL, Selected, likely_scatter};
+use crate::selection::{ALPHA_GENERAL, Selected};
+use crate::settled::likely_scatter;
 use crate::subset::Subset;
 use crate::whole::Whole;
 

@@ -1,0 +1,138 @@
+//! What one round of the selection proposes: the cause that saves most beside what is named.
+
+use crate::afresh::{STRONG, afresh};
+use crate::bench::{Bench, Fitted};
+use crate::joint::{joint_fits, survivors};
+use crate::scan::Scan;
+use crate::selection::{Depth, SHAPE_TOLERANCE, Single, Warm};
+use crate::stand::Stand;
+use crate::subset::Subset;
+use crate::swallowed::Recovered;
+use crate::tail::log_chi2_tail;
+
+/// Joint fits tried in each round.
+pub(crate) const SURVIVORS: usize = 6;
+/// Share of the deviance promised by the best score that a search afresh must save.
+const KEPT: f64 = 0.5;
+/// How many times more than its score says a fit may save.
+const NONLINEAR: f64 = 3.0;
+
+/// Whether what is seen beside a named cause lies so far within the tolerance of that cause's shape that no fit can lift it
+/// out: a fit saves more than its score says where an effect is far from linear, but not [`NONLINEAR`] times more.
+pub(crate) fn cannot_matter(round: usize, found: &Scan, explained: f64) -> bool {
+    let scores = found.candidates.iter().map(|c| c.score.z().powi(2));
+    let most = scores.fold(0.0, f64::max);
+    round > 0 && NONLINEAR * most < SHAPE_TOLERANCE.powi(2) * explained
+}
+
+/// The model that a round proposes.
+pub(crate) enum Next {
+    /// Fitted under the noise of the stand before.
+    Fit(Box<Fitted>),
+    /// With its own noise already.
+    Settled(Box<Stand>),
+}
+
+/// What one round of the selection proposes.
+pub(crate) struct Proposal {
+    pub(crate) next: Next,
+    /// Deviance that the new cause saves.
+    pub(crate) drop: f64,
+    /// Tail probability at which it was seen.
+    pub(crate) log_p: f64,
+    /// All that were fitted.
+    pub(crate) tried: Vec<Single>,
+}
+
+impl From<Recovered> for Proposal {
+    fn from(recovered: Recovered) -> Self {
+        Self {
+            next: Next::Settled(Box::new(recovered.stand)),
+            drop: recovered.saved,
+            log_p: recovered.log_p,
+            tried: Vec::new(),
+        }
+    }
+}
+
+/// The best further cause beside a stand whose parameters cannot be trusted.
+fn strong_proposal(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    found: &Scan,
+    warm: Option<&Warm>,
+) -> Option<Proposal> {
+    let mut stands = afresh(bench, subset, stand, found, warm);
+    let tried = stands
+        .iter()
+        .map(|(cause, stand)| Single {
+            cause: *cause,
+            fitted: stand.fitted.clone(),
+        })
+        .collect();
+    if stands.is_empty() {
+        return None;
+    }
+    let (cause, next) = stands.swap_remove(0);
+    // Beside a law that was bent to a cause, its tangent there may score nothing: what the fit saves under the noise that the law
+    // alone leaves is seen too.
+    let saved = stand.deviance - stand.deviance_of(bench, subset, &next.fitted);
+    let asked = bench.catalogue[cause].parameters().len();
+    Some(Proposal {
+        drop: next.deviance_of(bench, subset, &stand.fitted) - next.deviance,
+        next: Next::Settled(Box::new(next)),
+        log_p: found
+            .log_p_of(cause)
+            .min(log_chi2_tail(saved.max(0.0), asked)),
+        tried,
+    })
+}
+
+/// The best further cause beside a stand. Where causes are strong, in what they score or in what a fit saves (beside a law that was
+/// bent to them, and its noise, they may score little), the stand's parameters are not trusted.
+pub(crate) fn proposal(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    found: &Scan,
+    threshold: f64,
+    depth: Depth,
+    warm: Option<&Warm>,
+) -> Option<Proposal> {
+    // A search under the noise of a healthy rig may lose what the stand's own noise shows plainly.
+    let anew = |promised: f64| {
+        strong_proposal(bench, subset, stand, found, warm)
+            .filter(|proposal| proposal.drop > KEPT * promised)
+    };
+    let best = found.candidates.first().map_or(0.0, |c| c.score.z());
+    if best > STRONG
+        && let Some(proposal) = anew(best.powi(2))
+    {
+        return Some(proposal);
+    }
+    let (most, starts) = match depth {
+        Depth::Full => (SURVIVORS, 2),
+        Depth::Fold => (3, 1),
+    };
+    let asked = survivors(bench, found, threshold, most);
+    let known = warm.map_or(&[][..], |warm| &warm.causes);
+    let fits = joint_fits(bench, subset, stand, &asked, starts, known);
+    let (cause, fit, deviance) = fits.first().cloned()?;
+    let drop = stand.deviance - deviance;
+    if best <= STRONG
+        && drop > STRONG.powi(2)
+        && let Some(proposal) = anew(drop)
+    {
+        return Some(proposal);
+    }
+    Some(Proposal {
+        next: Next::Fit(Box::new(fit)),
+        drop,
+        log_p: found.log_p_of(cause),
+        tried: fits
+            .into_iter()
+            .map(|(cause, fitted, _)| Single { cause, fitted })
+            .collect(),
+    })
+}
