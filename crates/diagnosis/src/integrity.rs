@@ -70,13 +70,15 @@ pub(crate) fn inspect(campaign: &Campaign, noise: f64) -> Integrity {
     }
 }
 
-/// The last digit in which forces near a level are written, N: 10^-d with the fewest decimals d that leave nothing over.
+/// The last digit in which forces near a level are written, N: 10^-d with the fewest decimals d that leave nothing over. Only forces
+/// with as many digits before the point tell: where their number in all is fixed, smaller ones have one more behind it.
 fn last_digit(forces: &[f64], level: f64) -> f64 {
     const MOST_DECIMALS: i32 = 15;
+    let decade = 10.0_f64.powf(level.log10().floor());
     let near: Vec<f64> = forces
         .iter()
         .map(|f| f.abs())
-        .filter(|f| *f > 0.5 * level)
+        .filter(|f| *f > 0.5 * level && *f >= decade)
         .collect();
     let written_in = |digit: f64| {
         near.iter().all(|f| {
@@ -336,6 +338,11 @@ mod tests {
         assert!((read.value - step).abs() <= read.half, "{read:?}");
         assert!(read.half < 1e-4 * step, "{read:?}");
         assert_eq!(last_digit(&values, 0.7), 1e-5);
+        // Written in so many digits: below one they reach a decimal further.
+        assert_eq!(
+            last_digit(&[1.2346, 1.1111, 0.98765, 0.77777], 1.2346),
+            1e-4
+        );
         // Without a common step there is none.
         let irregular: Vec<f64> = (0..4000).map(|i| (0.37 * i as f64).sin()).collect();
         assert!(coarse_step(irregular).is_none());
