@@ -199,7 +199,7 @@ pub trait Cause: Hooks {
         false
     }
 
-    /// Whether it is asked for only in the place of its plain form, once that is found.
+    /// Whether it is asked for only in the place of its plain form, or of a cause that is [`Cause::mistaken_for`] it, once that is found.
     fn refines(&self) -> bool {
         false
     }

@@ -141,15 +141,12 @@ impl Cause for CarriedBacklash {
 #[derive(Clone, Copy, Debug)]
 pub struct SoftBacklash;
 
-const SOFTNESS: ParameterSpec = ParameterSpec::new("softness", "1", "how early the stops of the play give way", 0.02, 1.0, 0.5);
+/// Below the least one stops are as good as hard, and slack is lost faster than the steps through the gap follow.
+const SOFTNESS: ParameterSpec =
+    ParameterSpec::new("softness", "1", "how early the stops of the play give way", 1.0 / STEPS_A_GAP, 1.0, 0.5);
 
 impl Cause for SoftBacklash {
-    marker::form_of!(Backlash, "soft stops");
-
-    fn parameters(&self) -> &'static [ParameterSpec] {
-        const BOTH: &[ParameterSpec] = &[GAP, SOFTNESS];
-        BOTH
-    }
+    marker::refining_form!(Backlash, "soft stops", [GAP, SOFTNESS]);
 
     fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
         let mut specs = bounds(experiment);
@@ -157,17 +154,9 @@ impl Cause for SoftBacklash {
         specs
     }
 
-    fn requirements(&self) -> &'static [Requirement] {
-        Backlash.requirements()
-    }
-
     fn starts(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
         let gaps = gaps(experiment).into_iter();
         gaps.map(|gap| [gap, vec![SOFTNESS.typical]].concat()).collect()
-    }
-
-    fn refines(&self) -> bool {
-        true
     }
 
     fn steps_a_sample(&self, p: &[f64], run: &RunMotion) -> usize {
@@ -180,14 +169,10 @@ impl Cause for SoftBacklash {
             cross(p[0], &at.run.time_s, 0.0, velocity);
             return;
         }
-        let mut slack = D::constant(0.0);
-        follow(&at.run.time_s, 0.0, velocity, |turned, path| {
-            if turned {
-                slack = p[0] - slack;
-            }
-            let before = slack;
-            give_way(p[0], p[1], &mut slack, path);
-            before - slack
+        follow(p[0], &at.run.time_s, 0.0, velocity, |slack, path| {
+            let before = *slack;
+            give_way(p[0], p[1], slack, path);
+            before - *slack
         });
     }
 }
@@ -198,7 +183,7 @@ const STEPS_A_GAP: f64 = 8.0;
 const NO_SLACK: f64 = 1e-9;
 
 /// Takes from the slack what is lost of a way within a gap with soft stops: d(slack)/d(way) = -(1 - (1 - slack/gap)^(1/softness)), by
-/// midpoints.
+/// midpoints. As no softness lies below one part in [`STEPS_A_GAP`], no step takes more than there is.
 fn give_way<D: Scalar>(gap: D, softness: D, slack: &mut D, path: D) {
     let lost = |slack: D| {
         let gone = -(slack / gap) + 1.0;
@@ -217,9 +202,6 @@ fn give_way<D: Scalar>(gap: D, softness: D, slack: &mut D, path: D) {
         *slack -= lost(middle) * step;
         gone += 1.0;
     }
-    if slack.value() < 0.0 {
-        *slack = D::constant(0.0);
-    }
 }
 
 fn bounds(experiment: &Experiment) -> Vec<ParameterSpec> {
@@ -236,27 +218,25 @@ fn gaps(experiment: &Experiment) -> Vec<Vec<f64>> {
 /// Takes the crossing of the gap out of a velocity. `heading`: the direction in which the play is taken up before the first
 /// sample, 0 for that of the first motion.
 fn cross<D: Scalar>(gap: D, time: &[f64], heading: f64, velocity: &mut [D]) {
-    let mut slack = D::constant(0.0);
-    follow(time, heading, velocity, |turned, path| {
-        if turned {
-            slack = gap - slack;
-        }
+    follow(gap, time, heading, velocity, |slack, path| {
         if slack.value() >= path.value() {
-            slack -= path;
+            *slack -= path;
             path
         } else {
-            std::mem::replace(&mut slack, D::constant(0.0))
+            std::mem::replace(slack, D::constant(0.0))
         }
     });
 }
 
-/// Goes along a velocity and takes from each sample what is lost of its way: `lost` is told whether the motion has turned, and the way.
+/// Goes along a velocity and takes from each sample what is lost of its way: `lost` is handed the slack and the way.
 fn follow<D: Scalar>(
+    gap: D,
     time: &[f64],
     mut heading: f64,
     velocity: &mut [D],
-    mut lost: impl FnMut(bool, D) -> D,
+    lost: impl Fn(&mut D, D) -> D,
 ) {
+    let mut slack = D::constant(0.0);
     let n = velocity.len();
     for i in 0..n {
         let v = velocity[i];
@@ -264,13 +244,15 @@ fn follow<D: Scalar>(
             continue;
         }
         let sign = v.value().signum();
-        let turned = heading != 0.0 && sign != heading;
+        if heading != 0.0 && sign != heading {
+            slack = gap - slack;
+        }
         heading = sign;
         // path of this sample's share of the record: the trapezium's weight
         let before = if i > 0 { time[i] - time[i - 1] } else { 0.0 };
         let after = if i + 1 < n { time[i + 1] - time[i] } else { 0.0 };
         let path = v * (sign * 0.5 * (before + after));
-        let lost = lost(turned, path);
+        let lost = lost(&mut slack, path);
         velocity[i] = if lost.value() == path.value() {
             D::constant(0.0)
         } else {

@@ -67,16 +67,7 @@ const SETTLING: ParameterSpec =
 const SETTLES: [f64; 2] = [0.02, 3.0];
 
 impl Cause for SettlingZero {
-    marker::form_of!(ForceZeroDrift, "settling");
-
-    fn rank(&self) -> u8 {
-        ForceZeroDrift.rank()
-    }
-
-    fn parameters(&self) -> &'static [ParameterSpec] {
-        const BOTH: &[ParameterSpec] = &[RATE, SETTLING];
-        BOTH
-    }
+    marker::refining_form!(ForceZeroDrift, "settling", [RATE, SETTLING]);
 
     fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
         let day = grids::day_s(experiment);
@@ -91,14 +82,6 @@ impl Cause for SettlingZero {
     fn shape_grid(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
         let day = grids::day_s(experiment);
         [0.1, 0.3, 1.0].map(|share| vec![0.0, share * day]).to_vec()
-    }
-
-    fn refines(&self) -> bool {
-        true
-    }
-
-    fn requirements(&self) -> &'static [Requirement] {
-        ForceZeroDrift.requirements()
     }
 
     fn record<D: Scalar>(&self, p: &[D], at: Place<'_>, force_n: &mut [D]) {

@@ -50,6 +50,31 @@ macro_rules! form_of {
 }
 pub(super) use form_of;
 
+/// What a form shares with its plain one that is asked only in another's place, and has these parameters: those of the plain one come first.
+macro_rules! refining_form {
+    ($plain:ident, $variant:expr, [$($parameter:expr),+]) => {
+        $crate::causes::marker::form_of!($plain, $variant);
+
+        fn rank(&self) -> u8 {
+            $plain.rank()
+        }
+
+        fn parameters(&self) -> &'static [friction::ParameterSpec] {
+            const ALL: &[friction::ParameterSpec] = &[$($parameter),+];
+            ALL
+        }
+
+        fn requirements(&self) -> &'static [rig::Requirement] {
+            $plain.requirements()
+        }
+
+        fn refines(&self) -> bool {
+            true
+        }
+    };
+}
+pub(super) use refining_form;
+
 /// What a marked form shares with its plain one: everything but the variant, what a campaign must have, where a scan looks, and the hook.
 macro_rules! marked_form {
     ($plain:ident, $variant:literal, $marker:ident) => {

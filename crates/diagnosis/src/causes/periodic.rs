@@ -177,16 +177,16 @@ macro_rules! refined_form {
         );
     };
     ($plain:ident, $wave:ident, [$shape:ident, $($further:ident),+]) => {
-        $crate::causes::marker::form_of!(
+        $crate::causes::marker::refining_form!(
             $plain,
-            <$crate::causes::periodic::$wave as $crate::causes::periodic::Refined>::VARIANT
+            <$crate::causes::periodic::$wave as $crate::causes::periodic::Refined>::VARIANT,
+            [
+                $crate::causes::periodic::SIN,
+                $crate::causes::periodic::COS,
+                $shape,
+                $($crate::causes::periodic::$further),+
+            ]
         );
-
-        fn parameters(&self) -> &'static [friction::ParameterSpec] {
-            use $crate::causes::periodic::{COS, SIN, $($further),+};
-            const PARAMETERS: &[friction::ParameterSpec] = &[SIN, COS, $shape, $($further),+];
-            PARAMETERS
-        }
 
         fn parameters_for(&self, experiment: &rig::Experiment) -> Vec<friction::ParameterSpec> {
             let mut specs = $plain.parameters_for(experiment);
@@ -210,14 +210,6 @@ macro_rules! refined_form {
 
         fn is_periodic(&self) -> bool {
             true
-        }
-
-        fn refines(&self) -> bool {
-            true
-        }
-
-        fn requirements(&self) -> &'static [rig::Requirement] {
-            $plain.requirements()
         }
 
         fn reported(&self, fitted: &[f64]) -> Vec<rig::Reported> {

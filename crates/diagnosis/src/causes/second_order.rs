@@ -12,20 +12,15 @@ pub(super) const SECOND_ORDER: ParameterSpec = ParameterSpec::new(
     0.25,
 );
 
-/// What such a form shares with its plain one: everything but the further parameter and the hook.
+/// What such a form shares with its plain one: everything but the further parameter and the hook. Asked for on its own it explains too
+/// much beside a law that bends it.
 macro_rules! second_order_form {
     ($plain:ident) => {
-        $crate::causes::marker::form_of!($plain, "second order");
-
-        fn rank(&self) -> u8 {
-            $plain.rank()
-        }
-
-        fn parameters(&self) -> &'static [ParameterSpec] {
-            const BOTH: &[ParameterSpec] =
-                &[TIME_CONSTANT, $crate::causes::second_order::SECOND_ORDER];
-            BOTH
-        }
+        $crate::causes::marker::refining_form!(
+            $plain,
+            "second order",
+            [TIME_CONSTANT, $crate::causes::second_order::SECOND_ORDER]
+        );
 
         fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
             let mut specs = $plain.parameters_for(experiment);
@@ -39,11 +34,6 @@ macro_rules! second_order_form {
                 start.push($crate::causes::second_order::SECOND_ORDER.typical);
             }
             starts
-        }
-
-        /// Asked for on its own it explains too much beside a law that bends it.
-        fn refines(&self) -> bool {
-            true
         }
 
         fn lateness_s(&self, p: &[f64]) -> f64 {
