@@ -260,3 +260,26 @@ fn follow<D: Scalar>(
         };
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{SOFTNESS, give_way};
+
+    /// Slack is lost and never grows, over all softnesses, and a way of many gaps leaves none.
+    #[test]
+    fn slack_is_only_lost() {
+        let gap = 1e-4_f64;
+        for softness in [SOFTNESS.lower, 0.3, 0.7, SOFTNESS.upper] {
+            let mut slack = gap;
+            for _ in 0..400 {
+                let before = slack;
+                give_way(gap, softness, &mut slack, 0.07 * gap);
+                assert!((0.0..=before).contains(&slack), "{softness}: {before} {slack}");
+            }
+            assert!(slack < 1e-6 * gap, "{softness}: {slack}");
+            let mut at_once = gap;
+            give_way(gap, softness, &mut at_once, 40.0 * gap);
+            assert!((0.0..1e-6 * gap).contains(&at_once), "{softness}: {at_once}");
+        }
+    }
+}
