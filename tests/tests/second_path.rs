@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use planting::effect::{Ageing, Effect, Filter};
+use planting::effect::{Ageing, Effect, Filter, Settling};
 use planting::{Base, Case, NoiseKind, Outcome, Protocol};
 use rig::{Experiment, Model};
 use whole_program::measured::{campaign, parameters};
@@ -118,12 +118,13 @@ fn catalogue_and_planted_mechanisms_agree() {
     assert!(disagreements.is_empty(), "{}", disagreements.join("\n"));
 }
 
-/// Second forms that the catalogue knows exactly: an asymmetry that jumps, ageing in each of its ways to end, and channels of two stages.
+/// Second forms that the catalogue knows: bends in each of their ways to settle, an asymmetry that jumps, ageing in each of its ways to end, and channels of two stages.
 #[test]
 fn second_forms_agree_too() {
     let mut seen = std::collections::BTreeSet::new();
     for (id, seeds) in [
         ("direction-asymmetry", 21..23),
+        ("bristle-set", 21..33),
         ("dwell-ageing", 21..29),
         ("sensor-lag", 21..22),
         ("velocity-lag", 21..22),
@@ -146,6 +147,9 @@ fn second_forms_agree_too() {
     }
     let wanted = [
         ("direction-asymmetry", "jumps_in_turning"),
+        ("bristle-set", "distance_m"),
+        ("bristle-set", "kept"),
+        ("bristle-set", "left_by_runs"),
         ("dwell-ageing", "fading_distance_m"),
         ("dwell-ageing", "lost_in_turning"),
         ("dwell-ageing", "of_the_whole_curve"),
@@ -159,6 +163,14 @@ fn second_forms_agree_too() {
 fn further_names(effect: &Effect) -> Vec<(&'static str, f64)> {
     match *effect {
         Effect::DirectionAsymmetry { jumps: true, .. } => vec![("jumps_in_turning", 1.0)],
+        Effect::BristleSet { settling, .. } => match settling {
+            Settling::ByRuns => Vec::new(),
+            Settling::Kept => vec![("kept", 1.0)],
+            Settling::WithTheWay(distance_m) => vec![("distance_m", distance_m)],
+            Settling::LostWithTheWay(distance_m) => {
+                vec![("distance_m", distance_m), ("left_by_runs", 1.0)]
+            }
+        },
         Effect::DwellAgeing { ends, .. } => match ends {
             Ageing::WithTheRun => Vec::new(),
             Ageing::InTurning => vec![("lost_in_turning", 1.0)],

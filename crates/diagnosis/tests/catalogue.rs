@@ -10,7 +10,7 @@ use rig::{Cause, Experiment, Model, Requirement, Station};
 use rigs::{BRISTLE, LUGRE, rich};
 
 /// Ids, stations and reported parameters, as other programs know them.
-const VOCABULARY: [(&str, &str, &[&str]); 53] = [
+const VOCABULARY: [(&str, &str, &[&str]); 55] = [
     (
         "stage-ripple",
         "stage",
@@ -55,6 +55,12 @@ const VOCABULARY: [(&str, &str, &[&str]); 53] = [
         "history",
         &["angle_rad", "runs", "by_last_way"],
     ),
+    (
+        "bristle-set",
+        "history",
+        &["angle_rad", "distance_m", "left_by_runs"],
+    ),
+    ("bristle-set", "history", &["angle_rad", "distance_m"]),
     ("wear", "history", &["amplitude", "distance_m"]),
     ("wear", "history", &["amplitude_per_decade", "distance_m"]),
     (

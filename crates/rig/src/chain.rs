@@ -99,8 +99,10 @@ impl<D: ChainScalar> Pass<'_, D> {
             );
         });
 
-        // stage: recorded velocity -> slip speed. A specimen turned round meets the plate the other way.
         let corded = self.acts(Reach::Coupling) && run.in_contact();
+        let moves = self.moves(at, &mut law, memories, corded);
+
+        // stage: recorded velocity -> slip speed. A specimen turned round meets the plate the other way.
         let parts = if corded {
             of_the_motion(run)
         } else {
@@ -166,13 +168,8 @@ impl<D: ChainScalar> Pass<'_, D> {
             let fine = match done.rigid(run.twin) {
                 Some(same) => same.to_vec(),
                 None => {
-                    let coefficient = self.walks.coefficients(
-                        index,
-                        &law,
-                        &record,
-                        initial,
-                        self.state_varies,
-                    )?;
+                    let coefficient =
+                        self.coefficients(index, (&law, &moves), &record, initial, parts)?;
                     let force: Vec<D> = coefficient
                         .iter()
                         .zip(&motion.load_n)
@@ -344,7 +341,7 @@ impl<D: ChainScalar> Pass<'_, D> {
         }
     }
 
-    fn each_with_memory(
+    pub(crate) fn each_with_memory(
         &self,
         reach: Reach,
         memories: &mut [Vec<D>],

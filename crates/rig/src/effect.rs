@@ -18,6 +18,8 @@ pub enum Reach {
     Stage,
     /// The law itself ([`Cause::law`]).
     Law,
+    /// The law, which moves towards another one within a run ([`Cause::along`]; [`Cause::law`] is the other one).
+    Along,
     /// The speed at which the Stribeck curve is read ([`Cause::curve_speed`]).
     CurveSpeed,
     /// The static level, or the whole Stribeck curve ([`Cause::rest_gain`], [`Cause::aged`]).
@@ -320,6 +322,14 @@ pub trait Cause: Hooks {
     {
     }
 
+    /// [`Reach::Along`]: how far the law has moved at the samples towards the one that [`Cause::law`] makes with a memory of one; `memory`
+    /// as there.
+    fn along<D: Scalar>(&self, _p: &[D], _at: Place<'_>, _share: &mut [D], _memory: &mut [D])
+    where
+        Self: Sized,
+    {
+    }
+
     /// [`Reach::CurveSpeed`]: `speed` holds the signed velocity and takes the one that the Stribeck curve sees (its
     /// magnitude is taken afterwards).
     fn curve_speed<D: Scalar>(&self, _p: &[D], _at: Place<'_>, _speed: &mut [D])
@@ -389,6 +399,10 @@ pub enum Hook<'a, D> {
         law: &'a mut Law<D>,
         memory: &'a mut [D],
     },
+    Along {
+        share: &'a mut [D],
+        memory: &'a mut [D],
+    },
     CurveSpeed {
         speed: &'a mut [D],
     },
@@ -412,6 +426,7 @@ fn dispatch<C: Cause, D: Scalar>(cause: &C, p: &[D], at: Place<'_>, hook: Hook<'
     match hook {
         Hook::Stage { velocity } => cause.stage(p, at, velocity),
         Hook::Law { law, memory } => cause.law(p, at, law, memory),
+        Hook::Along { share, memory } => cause.along(p, at, share, memory),
         Hook::CurveSpeed { speed } => cause.curve_speed(p, at, speed),
         Hook::RestGain { gain } => cause.rest_gain(p, at, gain),
         Hook::Coupling { coupling } => cause.coupling(p, at, coupling),

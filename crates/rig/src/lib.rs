@@ -8,6 +8,7 @@
 //! stations, a [`Cause`] one such effect. Nothing here knows which causes exist, reads a file other than a
 //! [`ModelFile`], or fits anything.
 
+mod along;
 mod bends;
 mod chain;
 mod contact;

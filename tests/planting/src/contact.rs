@@ -5,7 +5,7 @@
 //! history x load) -> cord tension -> sensor (filter, offsets). All of it is one system of ordinary differential
 //! equations.
 
-use crate::effect::{Ageing, Clock, Course, Effect, Filter};
+use crate::effect::{Ageing, Clock, Course, Effect, Filter, Settling};
 use crate::integrator::Dynamics;
 use crate::law::{Law, Surroundings};
 use crate::machine::{Rig, STANDARD_GRAVITY_M_S2};
@@ -35,6 +35,17 @@ pub(crate) struct Layout {
     pub(crate) memory: Option<usize>,
     pub(crate) heat: Option<usize>,
     pub(crate) second: Option<usize>,
+    /// The bend, where it settles within runs, and how.
+    pub(crate) bend: Option<(usize, Bend)>,
+}
+
+/// How a bend settles within runs.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bend {
+    /// Where sliding in reverse leads, rad.
+    in_reverse_rad: f64,
+    /// Over which distance, m.
+    distance_m: f64,
 }
 
 impl Layout {
@@ -60,6 +71,24 @@ impl Layout {
                 }
                 Effect::FrictionalMemory { .. } => layout.memory = Some(take(1)),
                 Effect::ThermalSoftening { .. } => layout.heat = Some(take(1)),
+                Effect::BristleSet {
+                    angle_rad,
+                    settling,
+                    ..
+                } => {
+                    let bend = match *settling {
+                        Settling::ByRuns | Settling::Kept => None,
+                        Settling::WithTheWay(distance_m) => Some((*angle_rad, distance_m)),
+                        Settling::LostWithTheWay(distance_m) => Some((0.0, distance_m)),
+                    };
+                    layout.bend = bend.map(|(in_reverse_rad, distance_m)| {
+                        let bend = Bend {
+                            in_reverse_rad,
+                            distance_m,
+                        };
+                        (take(1), bend)
+                    });
+                }
                 Effect::SecondPopulation { .. } => layout.second = Some(take(1)),
                 _ => {}
             }
@@ -149,12 +178,15 @@ impl Contact<'_> {
     }
 
     /// Everything that changes the law itself at this instant.
-    fn surroundings(&self, time_s: f64, slid_m: f64, remembered: Option<f64>) -> Surroundings {
+    fn surroundings(&self, time_s: f64, state: &[f64]) -> Surroundings {
+        let slid_m = state[1];
+        let remembered = self.layout.memory.map(|place| state[place]);
+        let bend = self.layout.bend.map(|(place, _)| state[place]);
         let mut around = Surroundings {
             remembered_speed: remembered,
             ..Surroundings::PLAIN
         };
-        around.lean_rad = self.history.bend_rad + self.rocking.lean_at(time_s);
+        around.lean_rad = bend.unwrap_or(self.history.bend_rad) + self.rocking.lean_at(time_s);
         for effect in &self.rig.effects {
             match *effect {
                 Effect::StribeckShape { exponent_minus_2 } => {
@@ -328,7 +360,7 @@ impl Contact<'_> {
         let stretch_m = layout.stretch.map_or(0.0, |place| state[place]);
         let slip_speed = self.plate_speed(time_s, state[layout.stage]) - brush_speed;
         let remembered = layout.memory.map(|place| state[place]);
-        let around = self.surroundings(time_s, state[1], remembered);
+        let around = self.surroundings(time_s, state);
         // A specimen that was turned round meets the plate the other way.
         let turn = if self.plan.specimen_turned { -1.0 } else { 1.0 };
         let (inner_rate, of_the_law) = self.rig.law.evaluate(state[0], turn * slip_speed, &around);
@@ -523,6 +555,15 @@ impl Dynamics for Contact<'_> {
         }
         if let Some(place) = layout.memory {
             rate[place] = instant.remembered_rate;
+        }
+        if let Some((place, bend)) = layout.bend {
+            // theta' = (goal - theta) |v| / d, for one that touches the plate
+            let turn = if self.plan.specimen_turned { -1.0 } else { 1.0 };
+            let back = turn * instant.slip_speed < 0.0;
+            let goal = if back { bend.in_reverse_rad } else { 0.0 };
+            let touches = if self.load_n == 0.0 { 0.0 } else { 1.0 };
+            rate[place] =
+                touches * (goal - state[place]) * instant.slip_speed.abs() / bend.distance_m;
         }
         if let Some(place) = layout.second {
             rate[place] = instant.second_rate;

@@ -49,6 +49,20 @@ pub enum Clock {
     Day,
 }
 
+/// How a lasting bend settles.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Settling {
+    /// From run to run, towards the bend in reverse and straight forward.
+    ByRuns,
+    /// From run to run, and forward runs leave it as it is.
+    Kept,
+    /// While the contact slides, over this distance, m, towards the bend in reverse and straight forward.
+    WithTheWay(f64),
+    /// A run that ends in reverse leaves the whole bend, and sliding over this distance, m, leaves a share of 1/e.
+    LostWithTheWay(f64),
+}
+
 /// How long what rest has added to the level at rest is there.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -101,8 +115,7 @@ pub enum Effect {
     BristleSet {
         angle_rad: f64,
         runs: f64,
-        /// Forward runs leave it as it is.
-        kept: bool,
+        settling: Settling,
     },
     /// Friction changes with the distance slid since the campaign began.
     Wear {
@@ -268,7 +281,7 @@ impl Effect {
             Self::CordCompliance { hardening_m, .. } => hardening_m.is_none(),
             Self::Wear { course, .. } => *course == Course::Saturating,
             Self::ThermalSoftening { levels_off, .. } => !levels_off,
-            Self::BristleSet { kept, .. } => !kept,
+            Self::BristleSet { settling, .. } => *settling == Settling::ByRuns,
             Self::SensorLag { filter, .. } | Self::VelocityLag { filter, .. } => {
                 *filter == Filter::FirstOrder
             }

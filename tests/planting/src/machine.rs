@@ -4,7 +4,7 @@
 //! day, the sampling and the electronics. The integration is far finer than the record.
 
 use crate::contact::{Contact, History, Layout, Rocking};
-use crate::effect::Effect;
+use crate::effect::{Effect, Settling};
 use crate::integrator::Integrator;
 use crate::law::Law;
 use crate::motion::Play;
@@ -91,17 +91,33 @@ fn bend_after(rig: &Rig, run: &RunPlan, history: &mut History) {
         if let Effect::BristleSet {
             angle_rad,
             runs,
-            kept,
+            settling,
         } = effect
         {
-            let goal = match (run.direction, run.specimen_turned) {
+            let share = match settling {
+                Settling::ByRuns | Settling::Kept => 1.0 - (-1.0 / runs).exp(),
+                Settling::LostWithTheWay(_) => 1.0,
+                Settling::WithTheWay(_) => 0.0,
+            };
+            let kept = *settling != Settling::ByRuns;
+            let direction = match settling {
+                Settling::LostWithTheWay(_) => last_way(run),
+                _ => run.direction,
+            };
+            let goal = match (direction, run.specimen_turned) {
                 ("reverse", false) | ("forward", true) => *angle_rad,
                 ("forward", false) | ("reverse", true) if !kept => 0.0,
                 _ => history.bend_rad,
             };
-            history.bend_rad += (goal - history.bend_rad) * (1.0 - (-1.0 / runs).exp());
+            history.bend_rad += (goal - history.bend_rad) * share;
         }
     }
+}
+
+/// The way in which a run ends.
+fn last_way(run: &RunPlan) -> &'static str {
+    let last = run.motion.speed(0.999 * run.motion.duration_s());
+    if last < 0.0 { "reverse" } else { "forward" }
 }
 
 #[allow(clippy::too_many_arguments)]
@@ -246,6 +262,9 @@ fn integrate(contact: &mut Contact<'_>, plan: &Plan, history: &mut History) -> R
     if let Some(place) = layout.heat {
         state[place] = history.heat_j;
     }
+    if let Some((place, _)) = layout.bend {
+        state[place] = history.bend_rad;
+    }
     if run.starts_bent {
         let heading = run.motion.speed(run.motion.duration_s() * 0.1).signum();
         state[0] = -0.6 * contact.rig.law.state_scale() * heading;
@@ -302,6 +321,9 @@ fn integrate(contact: &mut Contact<'_>, plan: &Plan, history: &mut History) -> R
         state[1]
     };
     history.heat_j = layout.heat.map_or(0.0, |place| state[place]);
+    if let Some((place, _)) = layout.bend {
+        history.bend_rad = state[place];
+    }
     history.ended_s = Some(run.started_s + now);
     let position_m = times
         .iter()

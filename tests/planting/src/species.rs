@@ -1,7 +1,7 @@
 //! Draws an effect of a named kind: its size as a multiple of a physically plausible one, its other parameters
 //! (periods, phases, time constants) at random within what such rigs show.
 
-use crate::effect::{Ageing, Clock, Course, Effect, Filter, Wave};
+use crate::effect::{Ageing, Clock, Course, Effect, Filter, Settling, Wave};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
@@ -140,7 +140,14 @@ pub fn draw(
         "bristle-set" => Effect::BristleSet {
             angle_rad: 0.04 * size * sign,
             runs: between(0.7, 2.5),
-            kept: second,
+            settling: match (second, share) {
+                (false, _) => Settling::ByRuns,
+                (true, share) if share < 0.4 => Settling::Kept,
+                (true, share) if share < 0.7 => {
+                    Settling::WithTheWay(scales.travel_m * between(0.2, 0.8))
+                }
+                (true, _) => Settling::LostWithTheWay(scales.travel_m * between(0.2, 0.8)),
+            },
         },
         "wear" => Effect::Wear {
             amplitude: 0.08 * size * sign,

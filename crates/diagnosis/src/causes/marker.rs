@@ -27,6 +27,9 @@ pub(super) fn demanded(reported: &BTreeMap<String, f64>, marker: &str) -> Result
 /// What a further form of any kind shares with its plain one.
 macro_rules! form_of {
     ($plain:ident, $variant:expr) => {
+        $crate::causes::marker::form_of!($plain, $variant, $plain.reach());
+    };
+    ($plain:ident, $variant:expr, $reach:expr) => {
         fn id(&self) -> &'static str {
             $plain.id()
         }
@@ -40,7 +43,7 @@ macro_rules! form_of {
         }
 
         fn reach(&self) -> rig::Reach {
-            $plain.reach()
+            $reach
         }
 
         fn describe(&self) -> &'static str {

@@ -27,7 +27,7 @@ catalogue! {
     stribeck_shape::StribeckShape;
     velocity_strengthening::AddedStrengthening, VelocityStrengthening;
     lean_angle::LeanAngle;
-    bristle_set::BristleSet, KeptSet, LastWaySet;
+    bristle_set::BristleSet, KeptSet, LastWaySet, LostSet, SlidingSet;
     wear::Wear, WearByDecades;
     thermal_softening::ThermalSoftening, LevellingSoftening, ExponentialSoftening;
     surface_texture::SurfaceTexture, EdgedTexture, HarmonicTexture;

@@ -155,13 +155,15 @@ impl Oracle {
                 })
                 .collect(),
             Effect::BristleSet {
-                angle_rad, kept, ..
+                angle_rad,
+                settling,
+                ..
             } => [0.3, 1.0, 2.0, 4.0]
                 .iter()
                 .map(|runs| Effect::BristleSet {
                     angle_rad,
                     runs: *runs,
-                    kept,
+                    settling,
                 })
                 .collect(),
             Effect::CordCompliance {
