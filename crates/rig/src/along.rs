@@ -33,7 +33,7 @@ impl<D: ChainScalar> Pass<'_, D> {
         corded: bool,
     ) -> Vec<Move<D>> {
         let mut moves = Vec::new();
-        let left = law.clone();
+        let left = *law;
         self.each_with_memory(Reach::Along, memories, |cause, p, memory| {
             let held = memory.len();
             let moved = |law: &mut Law<D>, share: D| {
@@ -44,7 +44,7 @@ impl<D: ChainScalar> Pass<'_, D> {
                 };
                 D::call(cause, p, at, hook);
             };
-            let mut towards = left.clone();
+            let mut towards = left;
             moved(&mut towards, D::constant(1.0));
             let share = shares(cause, p, at, memory);
             if corded {
