@@ -26,10 +26,11 @@ use crate::subset::Subset;
 pub(crate) const SEPARABLE: f64 = 4.7;
 /// A rival that leaves this share of the effect's length imitates nothing, however short the effect is.
 const NO_IMITATION: f64 = 0.9;
-/// A fit contradicts a distance D where it loses more than (D + 3)^2: with the named cause true the loss is spread by 2 D about D^2.
-const CONTRADICTED_SPREAD: f64 = 3.0;
-/// Distances below this are taken for it: a signature at the fitted point knows no better how near a rival's bent family comes.
-const CONTRADICTED_LEAST: f64 = 2.0;
+/// A fit contradicts a distance D where it loses more than D^2 + 4 D: with the named cause true the loss is spread by 2 D about D^2.
+const CONTRADICTED_SPREADS: f64 = 2.0;
+/// Loss up to which no fit contradicts a distance. With the rival true, whatever the distance, a loss of 12 comes about in fewer than one
+/// campaign in two thousand.
+const CONTRADICTED_LEAST: f64 = 12.0;
 /// The same for a second form of a cause: a more special assumption is held to what the data say of it. One in six hundred of one
 /// parameter more.
 const CONTRADICTED_FORM: f64 = 10.0;
@@ -83,7 +84,8 @@ impl Contest {
             let most = if o.second_form {
                 CONTRADICTED_FORM
             } else {
-                (o.separation.max(CONTRADICTED_LEAST) + CONTRADICTED_SPREAD).powi(2)
+                let spread = 2.0 * o.separation;
+                (o.separation.powi(2) + CONTRADICTED_SPREADS * spread).max(CONTRADICTED_LEAST)
             };
             o.fitted.is_some() && o.excess_deviance > most
         };
