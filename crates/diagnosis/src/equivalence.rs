@@ -36,7 +36,7 @@ const CONTRADICTED_LEAST: f64 = 12.0;
 const CONTRADICTED_FORM: f64 = 10.0;
 /// Loss up to which a rival is as good as the named cause: odds of one in seven. Of two causes 4.7 apart the right one wins by less in
 /// three campaigns of a hundred.
-const AS_GOOD: f64 = 4.0;
+pub(crate) const AS_GOOD: f64 = 4.0;
 /// Starts and steps of a rival's fit.
 const RIVAL_FITS: (usize, u64) = (3, 12);
 /// Rivals with distances up to this are fitted to the data.

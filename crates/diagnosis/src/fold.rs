@@ -3,6 +3,7 @@
 use nalgebra::DMatrix;
 
 use crate::bench::{Bench, Fitted};
+use crate::forms::as_named;
 use crate::ground::orthonormal;
 use crate::left::lack;
 use crate::look_back::bare;
@@ -87,7 +88,8 @@ pub(crate) fn fold(
             doubt: DMatrix::zeros(bench.samples.len(), 0),
         });
     }
-    let own = select(bench, &subset, Depth::Fold, Some(warm))?;
+    let mut own = select(bench, &subset, Depth::Fold, Some(warm))?;
+    own.stand = as_named(bench, &own.subset, own.stand, &warm.causes);
     let subset = &own.subset;
     let full = &own.stand.fitted;
     let reference = reference(bench, &own.baseline.fitted, *shifted);

@@ -5,6 +5,7 @@
 //! means another thing to the reader.
 
 use crate::bench::{Bench, Fitted};
+use crate::equivalence::AS_GOOD;
 use crate::joint::{forms_of, is_dear, is_second_form, search_price};
 use crate::look_back::EXCHANGE;
 use crate::scan::Scan;
@@ -58,7 +59,7 @@ pub(crate) fn refine_last(
     let fitted = &stand.fitted;
     let k = fitted.effects.len() - 1;
     let own = fitted.effects[k];
-    if is_second_form(bench, own) {
+    if bench.catalogue[own].refines() {
         return Some(stand);
     }
     let best = refined_forms(bench, own)
@@ -83,6 +84,35 @@ pub(crate) fn refine_last(
     })
 }
 
+/// The set with causes in the forms in which they are named elsewhere, wherever these runs do not tell otherwise: what only a few runs
+/// of a campaign show (whether a stand within a run counts) the others cannot say.
+pub(crate) fn as_named(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    mut stand: Stand,
+    named: &[(usize, Vec<f64>)],
+) -> Stand {
+    for k in 0..stand.fitted.effects.len() {
+        let own = stand.fitted.effects[k];
+        let other = |&&(form, _): &&(usize, Vec<f64>)| {
+            form != own && bench.catalogue[form].id() == bench.catalogue[own].id()
+        };
+        let Some((form, parameters)) = named.iter().find(other) else {
+            continue;
+        };
+        let starts = std::slice::from_ref(parameters);
+        let next = in_place(bench, subset, &stand, (k, *form), starts)
+            .filter(|(deviance, _)| *deviance < stand.deviance + AS_GOOD)
+            .and_then(|(_, fit)| {
+                settle(bench, subset, &fit, &Scan::empty(bench, Some(stand.sizes)))
+            });
+        if let Some(next) = next.filter(|next| next.deviance < stand.deviance + AS_GOOD) {
+            stand = next;
+        }
+    }
+    stand
+}
+
 /// The refined forms that are asked in the place of a cause.
 fn refined_forms<'a>(bench: &'a Bench<'_>, own: usize) -> impl Iterator<Item = usize> + 'a {
     let (id, others) = {
@@ -97,11 +127,13 @@ fn refined_forms<'a>(bench: &'a Bench<'_>, own: usize) -> impl Iterator<Item = u
     })
 }
 
-/// Where the fit of a refined form begins: what the plain one shows, and its further shapes at their typical values. Another cause has
-/// parameters of its own.
+/// Where the fit of a refined form begins: what the plain one shows, and its further shapes at their typical values. Another cause, or a
+/// form with parameters of its own, begins from these.
 fn refined_starts(bench: &Bench<'_>, fitted: &Fitted, k: usize, form: usize) -> Vec<Vec<f64>> {
     let effect = &bench.catalogue[form];
-    if effect.id() != bench.catalogue[fitted.effects[k]].id() {
+    let own = &bench.catalogue[fitted.effects[k]];
+    let goes_on = (own.parameters().iter().zip(effect.parameters())).all(|(a, b)| a.name == b.name);
+    if effect.id() != own.id() || !goes_on || own.parameters().len() > effect.parameters().len() {
         return effect.starts(&bench.experiment);
     }
     let specs = effect.parameters_for(&bench.experiment);

@@ -142,7 +142,7 @@ impl<'a, 'b> Forward<'a, 'b> {
         // The first round asks all that come near; later ones must pass on their own.
         let threshold = if top.log_p > strict { admitted } else { strict };
         let proposal = if top.log_p > admitted {
-            swallowed(bench, subset, stand, found).map(Proposal::from)
+            swallowed(bench, subset, stand, found, self.warm).map(Proposal::from)
         } else {
             proposal(
                 bench, subset, stand, found, threshold, self.depth, self.warm,

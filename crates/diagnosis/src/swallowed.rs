@@ -1,14 +1,16 @@
 //! An effect on the plate that the noise of the law alone has taken up.
 //!
-//! A texture is the same in all runs, as the plate's own roughness is, and where that may be smoother than the runs' it takes up most of a
-//! weak one: under the law's own noise the score then says little. The likelihoods with and without the cause, each under its own
-//! noise, ask which of the two it is.
+//! A texture is the same in all runs, as the plate's own roughness is, and where that may be smoother than the runs' or of another length
+//! it takes up most of it: under the law's own noise the score then says little, and not at which period. Periods are looked for beside a
+//! plate as rough as its runs, too, and the likelihoods with and without the cause, each under its own noise, ask which of the two it is.
 
+use fitting::noise::Sizes;
 use rig::Station;
 
 use crate::bench::Bench;
 use crate::joint::joint_fits;
-use crate::scan::{Candidate, Scan};
+use crate::scan::{Candidate, Scan, scan_without};
+use crate::selection::Warm;
 use crate::settled::settle;
 use crate::stand::Stand;
 use crate::subset::Subset;
@@ -26,32 +28,79 @@ pub(crate) struct Recovered {
     pub(crate) log_p: f64,
 }
 
-/// The cause of the plate that saves most beside a stand, of those whose score is seen but does not pass.
+/// The cause of the plate that saves most beside a stand, of those whose score is seen but does not pass. A fold looks beside the noise of
+/// the whole campaign, too.
 pub(crate) fn swallowed(
     bench: &Bench<'_>,
     subset: &Subset,
     stand: &Stand,
     found: &Scan,
+    warm: Option<&Warm>,
 ) -> Option<Recovered> {
     if stand.sizes.plate <= 0.0 {
         return None;
     }
-    let suspects = found.candidates.iter().filter(|c| {
-        bench.catalogue[c.cause].station() == Station::Surface && c.score.z() > SUSPECT
+    let seen = under_suspicion(bench, found)
+        .filter_map(|suspect| recover(bench, subset, stand, (stand, found), suspect));
+    let rough = match warm {
+        Some(warm) => Some(warm.sizes),
+        None => as_rough_as_its_runs(stand.sizes),
+    };
+    let beside_rough = rough.and_then(|sizes| {
+        let rough = Stand::new(bench, subset, stand.fitted.clone(), sizes);
+        let found = of_the_plate(bench, subset, &rough);
+        let begun = (&rough, &found.with_sizes(None));
+        under_suspicion(bench, &found)
+            .filter_map(|suspect| recover(bench, subset, stand, begun, suspect))
+            .max_by(|a, b| a.saved.total_cmp(&b.saved))
     });
-    suspects
-        .filter_map(|suspect| recover(bench, subset, stand, found, suspect))
+    seen.chain(beside_rough)
         .max_by(|a, b| a.saved.total_cmp(&b.saved))
 }
 
+/// Causes of the plate that are seen.
+fn under_suspicion<'a>(
+    bench: &'a Bench<'_>,
+    found: &'a Scan,
+) -> impl Iterator<Item = &'a Candidate> {
+    let candidates = found.candidates.iter();
+    candidates
+        .filter(|c| bench.catalogue[c.cause].station() == Station::Surface && c.score.z() > SUSPECT)
+}
+
+/// The noise with a plate that is as rough as its runs, where it was smoother or of another length.
+fn as_rough_as_its_runs(sizes: Sizes) -> Option<Sizes> {
+    let rough = Sizes {
+        plate: sizes.plate.min(sizes.private),
+        plate_smoothing: sizes.smoothing,
+        plate_ratio: 1.0,
+        ..sizes
+    };
+    (sizes.plate_smoothing > sizes.smoothing || sizes.plate_ratio > 1.0).then_some(rough)
+}
+
+/// A scan for the periodic causes of the plate alone.
+fn of_the_plate(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Scan {
+    let is_of_the_plate = |&cause: &usize| {
+        let cause = &bench.catalogue[cause];
+        cause.station() == Station::Surface && cause.is_periodic()
+    };
+    let others: Vec<usize> = (0..bench.catalogue.len())
+        .filter(|cause| !is_of_the_plate(cause))
+        .collect();
+    let scatter = stand.ground.likeliest_scatter();
+    scan_without(bench, subset, stand, scatter, &others)
+}
+
+/// A suspect seen beside one stand, fitted there and settled; what it saves beside the stand as it is.
 fn recover(
     bench: &Bench<'_>,
     subset: &Subset,
     stand: &Stand,
-    found: &Scan,
+    (beside, found): (&Stand, &Scan),
     suspect: &Candidate,
 ) -> Option<Recovered> {
-    let fits = joint_fits(bench, subset, stand, &[suspect], 2, &[]);
+    let fits = joint_fits(bench, subset, beside, &[suspect], 2, &[]);
     let (cause, fit, _) = fits.into_iter().next()?;
     let next = settle(bench, subset, &fit, found)?;
     let saved = stand.deviance - next.deviance;

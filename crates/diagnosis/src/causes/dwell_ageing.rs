@@ -13,6 +13,11 @@ use super::{grids, marker};
 
 const DESCRIPTION: &str = "Static friction grows with the time of rest.";
 
+/// Rest before a run, s.
+fn rest_before(at: Place<'_>) -> f64 {
+    at.run.rest_s.unwrap_or_else(|| median_rest(at))
+}
+
 fn median_rest(at: Place<'_>) -> f64 {
     let mut rests: Vec<f64> = at.experiment.runs.iter().filter_map(|run| run.rest_s).collect();
     rests.sort_by(f64::total_cmp);
@@ -82,6 +87,30 @@ impl Cause for TurnedAgeing {
             let decades = if turned { 0.0 } else { since.rest_s.max(1.0).log10() };
             *gain *= p[0] * decades + 1.0;
         }
+    }
+}
+
+/// Only the rest before a run counts, not a stand within it.
+#[derive(Clone, Copy, Debug)]
+pub struct AgeingBetweenRuns;
+
+/// Beside the growth, what tells this form from the others in a file.
+const BETWEEN_RUNS: &str = "between_runs";
+
+impl Cause for AgeingBetweenRuns {
+    marker::marked_form!(DwellAgeing, "stands within runs do not count", BETWEEN_RUNS);
+
+    fn refines(&self) -> bool {
+        true
+    }
+
+    fn requirements(&self) -> &'static [Requirement] {
+        DwellAgeing.requirements()
+    }
+
+    fn rest_gain<D: Scalar>(&self, p: &[D], at: Place<'_>, gain: &mut [D]) {
+        let factor = p[0] * rest_before(at).max(1.0).log10() + 1.0;
+        gain.iter_mut().for_each(|gain| *gain *= factor);
     }
 }
 
@@ -241,7 +270,7 @@ struct SinceStand {
 /// The last stand before the middle of each sample's step to the next one, which belongs to the motion after the stand.
 fn last_stand(at: Place<'_>) -> Vec<SinceStand> {
     let (time, speed, slid) = (&at.run.time_s, &at.run.velocity_m_s, &at.run.distance_m);
-    let mut rest = at.run.rest_s.unwrap_or_else(|| median_rest(at));
+    let mut rest = rest_before(at);
     let mut standing_since = None;
     let mut left_at = 0.0;
     (0..time.len())
