@@ -10,7 +10,7 @@ use nalgebra::DMatrix;
 
 use crate::answer::Place;
 use crate::ground::{Ground, Score};
-use crate::samples::Samples;
+use crate::samples::{Levels, Samples};
 use crate::tail::{equivalent_z, log_chi2_tail};
 
 /// One family of hats.
@@ -151,30 +151,20 @@ fn slope_families(samples: &Samples, first: &[f64], second: &[f64], runs: bool) 
     }
 }
 
-/// Loads closer than this share of the larger are one.
-const SAME_LOAD: f64 = 0.05;
-
 /// A force for each direction and load, where there are two loads.
 fn loads(samples: &Samples) -> Option<Hats> {
     if !samples.loaded {
         return None;
     }
-    let mean = |run: &std::ops::Range<usize>| {
-        samples.load[run.clone()].iter().sum::<f64>() / run.len() as f64
-    };
-    let of_run: Vec<f64> = samples.runs.iter().map(mean).collect();
-    let mut levels = of_run.clone();
-    levels.sort_by(f64::total_cmp);
-    levels.dedup_by(|b, a| *b - *a < SAME_LOAD * *b);
+    let Levels { levels, of_run } = samples.load_levels();
     if levels.len() < 2 {
         return None;
     }
-    let level = |load: f64| levels.partition_point(|l| *l <= load).max(1) - 1;
     let heading = samples.heading();
     let mut columns = DMatrix::zeros(samples.len(), 2 * levels.len());
     for i in 0..samples.len() {
         let way = usize::from(heading[i] < 0.0);
-        columns[(i, 2 * level(of_run[samples.owner[i]]) + way)] = 1.0;
+        columns[(i, 2 * of_run[samples.owner[i]] + way)] = 1.0;
     }
     Some(Hats {
         axis: "load",

@@ -1,10 +1,13 @@
-//! A gain that some runs share and the others lack: one run, the runs of a stretch of the day, or every second, third or fourth one.
+//! A gain that some runs share and the others lack (one run, two of them, the runs of a stretch of the day, every second, third or fourth
+//! one), gains that go up and down in the course of the day, and gains of all runs under one load.
 //!
-//! A weight that was forgotten or a clamp that was changed looks like scatter between runs. Scatter knows no order, so each
-//! such set of runs is one question, answered by Student's t of the runs' gains (the scatter is integrated over), and the
-//! questions pay for one another by Bonferroni's bound.
+//! A weight that was forgotten, a clamp that was changed or a room that cools looks like scatter between runs. Scatter knows no order, so
+//! each such question is answered by Student's t of the runs' gains (the scatter is integrated over), and the questions pay for one another
+//! by Bonferroni's bound.
 
-use nalgebra::{DMatrix, DVector};
+use std::f64::consts::PI;
+
+use nalgebra::DMatrix;
 
 use crate::answer::Place;
 use crate::general::{Lack, MOST_RUNS};
@@ -15,6 +18,10 @@ use crate::samples::Samples;
 const FEWEST_RUNS: usize = 5;
 /// Longest period of a pattern, in runs.
 const LONGEST_PERIOD: usize = 4;
+/// Cosines of the day's course.
+const COSINES: usize = 4;
+/// Runs for each cosine that a course needs at least.
+const RUNS_A_COSINE: usize = 3;
 
 /// The strongest pattern; `white_gains`: a whitened gain column a run.
 pub(crate) fn patterns(
@@ -28,14 +35,16 @@ pub(crate) fn patterns(
         .iter()
         .map(|r| samples.clock[r.start])
         .collect();
-    let Some(Pattern { runs, score, asked }) = strongest(ground, white_gains, &began) else {
+    let questions = questions(&began, &samples.load_levels().of_run);
+    let Some((question, score)) = strongest(ground, white_gains, questions) else {
         return Lack::nothing();
     };
+    let runs = question.runs();
     let ends = runs
         .iter()
         .map(|&run| samples.time[samples.runs[run].end - 1]);
     Lack {
-        log_p: (score.log_p + (asked as f64).ln()).min(0.0),
+        log_p: (score.log_p + question.price).min(0.0),
         place: Some(Place {
             axis: "time".into(),
             from: 0.0,
@@ -47,44 +56,89 @@ pub(crate) fn patterns(
     }
 }
 
-/// Runs with a gain of their own.
-struct Pattern {
-    runs: Vec<usize>,
-    score: Score,
-    /// Sets of runs that were asked.
-    asked: usize,
+/// Gains of runs: the question whether any combination of them is there.
+struct Question {
+    /// Runs x gains.
+    gains: DMatrix<f64>,
+    /// Logarithm of what it pays for its like.
+    price: f64,
 }
 
-/// The set of runs whose common gain is least probable as scatter.
-fn strongest(ground: &Ground, white_gains: &DMatrix<f64>, began: &[f64]) -> Option<Pattern> {
-    if !(FEWEST_RUNS..=MOST_RUNS).contains(&began.len()) {
-        return None;
+impl Question {
+    /// Runs that it moves.
+    fn runs(&self) -> Vec<usize> {
+        let rows = self.gains.row_iter().enumerate();
+        rows.filter(|(_, row)| row.iter().any(|w| *w != 0.0))
+            .map(|(run, _)| run)
+            .collect()
     }
-    let sets = sets(began);
-    let asked = sets.len();
-    let scored = sets.into_iter().filter_map(|runs| {
-        let mut column = DVector::zeros(white_gains.nrows());
-        for &run in &runs {
-            column += white_gains.column(run);
-        }
-        let free = ground.project_vector(&column);
-        let score = ground.score(&ground.along(free, column.norm())?);
-        Some(Pattern { runs, score, asked })
-    });
-    scored.min_by(|a, b| a.score.log_p.total_cmp(&b.score.log_p))
 }
 
-/// The sets of runs that are asked: each run alone and, where the order of the day is known, neighbours (at most half of all, for the
-/// others then say the same) and every second, third or fourth run.
-fn sets(began: &[f64]) -> Vec<Vec<usize>> {
+/// The gains that are least probable as scatter.
+fn strongest(
+    ground: &Ground,
+    white_gains: &DMatrix<f64>,
+    questions: Vec<Question>,
+) -> Option<(Question, Score)> {
+    let scored = questions.into_iter().filter_map(|question| {
+        let columns = white_gains * &question.gains;
+        let score = ground.score(&ground.direction(&columns)?);
+        Some((question, score))
+    });
+    let log_p = |(question, score): &(Question, Score)| score.log_p + question.price;
+    scored.min_by(|a, b| log_p(a).total_cmp(&log_p(b)))
+}
+
+/// What is asked: sets of runs that share a gain and, in families, gains that differ. `levels`: the load of each run, as a place among the
+/// loads. Sets and families share what may be spent.
+fn questions(began: &[f64], levels: &[usize]) -> Vec<Question> {
     let count = began.len();
+    if !(FEWEST_RUNS..=MOST_RUNS).contains(&count) {
+        return Vec::new();
+    }
     let mut order: Vec<usize> = (0..count).collect();
     order.sort_by(|&a, &b| began[a].total_cmp(&began[b]));
-    if order.windows(2).any(|w| began[w[0]] >= began[w[1]]) {
-        return (0..count).map(|run| vec![run]).collect();
+    let ordered = order.windows(2).all(|w| began[w[0]] < began[w[1]]);
+    let mut sets: Vec<Vec<usize>> = (0..count).map(|run| vec![run]).collect();
+    sets.extend((0..count).flat_map(|a| (0..a).map(move |b| vec![b, a])));
+    let mut families: Vec<DMatrix<f64>> = under_each_load(levels);
+    if ordered {
+        sets.extend(sets_of_the_day(&order));
+        families.extend(course(&order));
     }
+    let priced = |all: Vec<DMatrix<f64>>| {
+        let price = (2.0 * all.len() as f64).ln();
+        all.into_iter().map(move |gains| Question { gains, price })
+    };
+    let shared = |runs: Vec<usize>| {
+        DMatrix::from_fn(count, 1, |run, _| f64::from(u8::from(runs.contains(&run))))
+    };
+    let sets = sets.into_iter().map(shared).collect();
+    priced(sets).chain(priced(families)).collect()
+}
+
+/// For each load under which at most half of the runs were made, and two at least: each of these with a gain of its own.
+fn under_each_load(levels: &[usize]) -> Vec<DMatrix<f64>> {
+    let highest = levels.iter().copied().max().unwrap_or(0);
+    let under = |level: usize| -> Vec<usize> {
+        (0..levels.len()).filter(|&k| levels[k] == level).collect()
+    };
+    (0..=highest)
+        .map(under)
+        .filter(|runs| (2..=levels.len() / 2).contains(&runs.len()))
+        .map(|runs| {
+            DMatrix::from_fn(levels.len(), runs.len(), |k, j| {
+                f64::from(u8::from(runs[j] == k))
+            })
+        })
+        .collect()
+}
+
+/// Neighbours, three or more and at most half of all (the others then say the same), and every second, third or fourth run.
+fn sets_of_the_day(order: &[usize]) -> Vec<Vec<usize>> {
+    let count = order.len();
     let mut sets = Vec::new();
-    for length in 1..=count / 2 {
+    for length in 3..=count / 2 {
         sets.extend(order.windows(length).map(<[usize]>::to_vec));
     }
     for period in 2..=LONGEST_PERIOD.min(count / 2) {
@@ -97,9 +151,23 @@ fn sets(began: &[f64]) -> Vec<Vec<usize>> {
     sets
 }
 
+/// The first cosines over the runs in their order, cos(pi j (i + 1/2) / n).
+fn course(order: &[usize]) -> Option<DMatrix<f64>> {
+    let n = order.len();
+    let cosines = COSINES.min(n / RUNS_A_COSINE);
+    let mut gains = DMatrix::zeros(n, cosines);
+    for (i, &run) in order.iter().enumerate() {
+        for j in 0..cosines {
+            gains[(run, j)] = (PI * (j + 1) as f64 * (i as f64 + 0.5) / n as f64).cos();
+        }
+    }
+    (cosines > 0).then_some(gains)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::DVector;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
@@ -109,38 +177,66 @@ mod tests {
     /// Standard deviation of a run's gain, in units of what its own noise allows to see.
     const SCATTER: f64 = 1.5;
 
+    /// Every fourth run was made under a second load.
+    const LEVELS: [usize; RUNS] = [0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0];
+
     fn began(ordered: bool) -> Vec<f64> {
         let day = |k: usize| if ordered { 1e3 * k as f64 } else { 0.0 };
         (0..RUNS).map(day).collect()
     }
 
-    /// What is found where the runs of a set have a gain of `size` scatters beside the scatter, and the logarithm of its probability.
-    fn found(set: &[usize], size: f64, ordered: bool, rng: &mut ChaCha8Rng) -> (Vec<usize>, f64) {
+    /// What is found beside scatter where each run has a gain of so many scatters, and the logarithm of its probability.
+    fn found(
+        gain: impl Fn(usize) -> f64,
+        ordered: bool,
+        rng: &mut ChaCha8Rng,
+    ) -> (Vec<usize>, f64) {
         let n = RUNS * EACH;
         let mut normal = || -> f64 { StandardNormal.sample(rng) };
-        let own: Vec<f64> = (0..RUNS)
-            .map(|k| SCATTER * (normal() + if set.contains(&k) { size } else { 0.0 }))
-            .collect();
+        let own: Vec<f64> = (0..RUNS).map(|k| SCATTER * (normal() + gain(k))).collect();
         let residual = DVector::from_fn(n, |i, _| own[i / EACH] + normal());
         let gains = DMatrix::from_fn(n, RUNS, |i, k| f64::from(u8::from(i / EACH == k)));
         let law = DMatrix::from_element(n, 1, 1.0);
         let ground = Ground::new(&law, &gains, &residual, &[]);
-        let pattern = strongest(&ground, &gains, &began(ordered)).expect("asked");
-        let log_p = pattern.score.log_p + (pattern.asked as f64).ln();
-        (pattern.runs, log_p)
+        let asked = questions(&began(ordered), &LEVELS);
+        let (question, score) = strongest(&ground, &gains, asked).expect("asked");
+        (question.runs(), score.log_p + question.price)
     }
 
     #[test]
     fn runs_that_share_a_gain_are_told_from_scatter_and_named() {
         let mut rng = ChaCha8Rng::seed_from_u64(11);
-        for set in [vec![4, 5, 6, 7], vec![1, 4, 7, 10]] {
+        for set in [vec![4, 5, 6, 7], vec![1, 4, 7, 10], vec![3, 8]] {
+            let gain = |k: usize| if set.contains(&k) { 8.0 } else { 0.0 };
             let mut seen = 0;
             for _ in 0..20 {
-                let (runs, log_p) = found(&set, 6.0, true, &mut rng);
+                let (runs, log_p) = found(gain, true, &mut rng);
                 seen += usize::from(runs == set && log_p < -6.0);
             }
             assert!(seen >= 18, "{set:?}: {seen} of 20");
         }
+    }
+
+    /// A room that cools and is heated again; a load law that changes in the middle of the day.
+    #[test]
+    fn courses_of_the_day_and_of_a_load_are_seen() {
+        let mut rng = ChaCha8Rng::seed_from_u64(13);
+        let room = |k: usize| 8.0 * (2.0 * PI * k as f64 / RUNS as f64).cos();
+        let load = |k: usize| match (LEVELS[k], k < RUNS / 2) {
+            (0, _) => 0.0,
+            (_, true) => 12.0,
+            (_, false) => -12.0,
+        };
+        let [mut of_the_room, mut of_the_load] = [0, 0];
+        for _ in 0..20 {
+            of_the_room += usize::from(found(room, true, &mut rng).1 < -6.0);
+            let (runs, log_p) = found(load, true, &mut rng);
+            of_the_load += usize::from(runs == [1, 5, 9] && log_p < -6.0);
+        }
+        assert!(
+            of_the_room >= 18 && of_the_load >= 18,
+            "{of_the_room}, {of_the_load}"
+        );
     }
 
     /// 2 % nominal, all questions paid for, so at most 8 of 400 are expected.
@@ -149,17 +245,20 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(12);
         let mut alarms = 0;
         for trial in 0..400 {
-            let (_, log_p) = found(&[], 0.0, trial % 2 == 0, &mut rng);
+            let (_, log_p) = found(|_| 0.0, trial % 2 == 0, &mut rng);
             alarms += usize::from(log_p < 0.02_f64.ln());
         }
         assert!(alarms <= 16, "{alarms} of 400");
     }
 
-    /// Without the order of the day neighbours are not known: a stretch is then asked run by run.
+    /// Without the order of the day neighbours are not known: runs are then asked one by one and in twos.
     #[test]
     fn neighbours_need_the_order_of_the_day() {
-        assert_eq!(sets(&began(false)).len(), RUNS);
-        assert!(sets(&began(true)).contains(&vec![4, 5, 6, 7]));
-        assert!(sets(&began(true)).contains(&vec![0, 2, 4, 6, 8, 10]));
+        let has = |ordered: bool, set: &[usize]| {
+            let asked = questions(&began(ordered), &[0; RUNS]);
+            asked.iter().any(|question| question.runs() == set)
+        };
+        assert!(has(false, &[3]) && has(false, &[3, 8]) && !has(false, &[4, 5, 6, 7]));
+        assert!(has(true, &[4, 5, 6, 7]) && has(true, &[0, 2, 4, 6, 8, 10]));
     }
 }

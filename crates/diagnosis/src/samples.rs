@@ -5,6 +5,17 @@ use std::ops::Range;
 use campaign::{Campaign, Direction};
 use fitting::noise::Averaged;
 
+/// Loads closer than this share of the larger are one.
+const SAME_LOAD: f64 = 0.05;
+
+/// The different loads of a campaign.
+pub(crate) struct Levels {
+    /// The loads, N, in ascending order.
+    pub(crate) levels: Vec<f64>,
+    /// For each run its place among them.
+    pub(crate) of_run: Vec<usize>,
+}
+
 /// Stacked samples of all runs of a campaign, in the campaign's canonical order.
 #[derive(Clone, Debug)]
 pub(crate) struct Samples {
@@ -37,6 +48,19 @@ pub(crate) struct Samples {
 }
 
 impl Samples {
+    /// The loads, by the mean of each run.
+    pub(crate) fn load_levels(&self) -> Levels {
+        let mean =
+            |run: &Range<usize>| self.load[run.clone()].iter().sum::<f64>() / run.len() as f64;
+        let loads: Vec<f64> = self.runs.iter().map(mean).collect();
+        let mut levels = loads.clone();
+        levels.sort_by(f64::total_cmp);
+        levels.dedup_by(|b, a| *b - *a < SAME_LOAD * *b);
+        let of = |load: &f64| levels.partition_point(|l| l <= load).max(1) - 1;
+        let of_run = loads.iter().map(of).collect();
+        Levels { levels, of_run }
+    }
+
     pub(crate) fn new(campaign: &Campaign) -> Self {
         let loaded = campaign
             .runs
