@@ -10,7 +10,7 @@ use rig::{Cause, Experiment, Model, Requirement, Station};
 use rigs::{BRISTLE, LUGRE, rich};
 
 /// Ids, stations and reported parameters, as other programs know them.
-const VOCABULARY: [(&str, &str, &[&str]); 55] = [
+const VOCABULARY: [(&str, &str, &[&str]); 56] = [
     (
         "stage-ripple",
         "stage",
@@ -172,6 +172,7 @@ const VOCABULARY: [(&str, &str, &[&str]); 55] = [
         &["distance_m", "of_the_magnitude"],
     ),
     ("dwell-ageing", "history", &["per_decade"]),
+    ("dwell-ageing", "history", &["per_decade", "between_runs"]),
     (
         "dwell-ageing",
         "history",
