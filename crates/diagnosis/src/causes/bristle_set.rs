@@ -1,7 +1,8 @@
 //! A lasting bend: the lean of a run is theta0 + angle S. After a reverse run S moves towards 1, after a forward run towards
 //! 0, by the share 1 - exp(-1/runs) of what is left; a run that reverses leaves it as it is. S = 0 before the first run. In a further
-//! form forward runs leave it as it is too, in another one a run that reverses counts by the way in which it ends. In the last one S
-//! moves while the contact slides, towards 1 in reverse and 0 forward, dS/ds = (goal - S) / d, d a distance (m).
+//! form forward runs leave it as it is too, in another one a run that reverses counts by the way in which it ends. In the last
+//! two S moves while the contact slides, dS/ds = (goal - S) / d, d a distance (m): towards 1 in reverse and 0 forward, or always towards 0
+//! from the 1 that a run which ends in reverse has left.
 
 use std::collections::BTreeMap;
 
@@ -180,7 +181,7 @@ impl Cause for SlidingSet {
 #[derive(Clone, Copy, Debug)]
 pub struct LostSet;
 
-/// Beside bend and way, what tells this form from the one before in a file.
+/// Beside bend and distance, what tells this form from the one before in a file.
 const LEFT_BY_RUNS: &str = "left_by_runs";
 
 impl Cause for LostSet {

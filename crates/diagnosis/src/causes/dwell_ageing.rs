@@ -1,5 +1,5 @@
 //! The static level grows with rest: s (1 + b log10(rest/1 s)) for rests above 1 s, b per decade. The rest is that before the
-//! run; a stand of the stage inside a run counts from its end on. What came before the first run is not recorded: it is
+//! run; a stand of the stage inside a run counts from its end on (in one form it does not). What came before the first run is not recorded: it is
 //! taken as the median of the other rests. What was gained lasts for the motion, or is lost where the motion turns, or sliding wears it
 //! off: then b fades as exp(-x/d), x the distance slid since the stand (m), d a distance (m). A contact that has itself grown with rest
 //! has a higher kinetic level too, until sliding has worn it off.
