@@ -43,7 +43,7 @@ pub(crate) fn swallowed(
     let seen = under_suspicion(bench, found)
         .filter_map(|suspect| recover(bench, subset, stand, (stand, found), suspect));
     let rough = match warm {
-        Some(warm) => Some(warm.sizes),
+        Some(warm) => names_the_plate(bench, warm).then_some(warm.sizes),
         None => as_rough_as_its_runs(stand.sizes),
     };
     let beside_rough = rough.and_then(|sizes| {
@@ -56,6 +56,12 @@ pub(crate) fn swallowed(
     });
     seen.chain(beside_rough)
         .max_by(|a, b| a.saved.total_cmp(&b.saved))
+}
+
+/// Whether the whole campaign has named a cause of the plate: only then has a fold one to recover.
+fn names_the_plate(bench: &Bench<'_>, warm: &Warm) -> bool {
+    let mut causes = warm.causes.iter();
+    causes.any(|&(cause, _)| bench.catalogue[cause].station() == Station::Surface)
 }
 
 /// Causes of the plate that are seen.

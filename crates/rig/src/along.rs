@@ -72,6 +72,9 @@ impl<D: ChainScalar> Pass<'_, D> {
                 .coefficients(run, law, record, initial, self.state_varies)
         };
         let left = walk(0, law)?;
+        if moves.is_empty() {
+            return Ok(left);
+        }
         let mut all = left.clone();
         for (k, way) in moves.iter().enumerate() {
             let towards = walk(k + 1, &way.towards)?;

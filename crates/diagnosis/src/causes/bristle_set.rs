@@ -128,6 +128,10 @@ macro_rules! within_runs {
     ($variant:literal) => {
         marker::form_of!(BristleSet, $variant, Reach::Along);
 
+        fn parameters(&self) -> &'static [ParameterSpec] {
+            OF_THE_WAY
+        }
+
         fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
             let (run, all) = grids::slid_m(experiment);
             vec![OF_THE_WAY[0].clone(), grids::bounded(&OF_THE_WAY[1], 0.02 * run, 3.0 * all, run)]
@@ -163,10 +167,6 @@ pub struct SlidingSet;
 impl Cause for SlidingSet {
     within_runs!("settles within runs");
 
-    fn parameters(&self) -> &'static [ParameterSpec] {
-        OF_THE_WAY
-    }
-
     fn along<D: Scalar>(&self, p: &[D], at: Place<'_>, share: &mut [D], memory: &mut [D]) {
         let run = at.run;
         let turn = if run.specimen_turned { -1.0 } else { 1.0 };
@@ -186,10 +186,6 @@ const LEFT_BY_RUNS: &str = "left_by_runs";
 
 impl Cause for LostSet {
     within_runs!("lost within runs");
-
-    fn parameters(&self) -> &'static [ParameterSpec] {
-        OF_THE_WAY
-    }
 
     fn reported(&self, fitted: &[f64]) -> Vec<rig::Reported> {
         marker::marked(SlidingSet.reported(fitted), LEFT_BY_RUNS)
