@@ -25,6 +25,7 @@ mod extension;
 mod floor;
 mod fold;
 mod folds;
+mod foreign;
 mod forms;
 mod forward;
 mod gain;

@@ -5,6 +5,7 @@ use rig::{Reach, Station};
 use crate::answer::Place;
 use crate::bench::{Bench, Fitted};
 use crate::equivalence::{Contest, Opponent};
+use crate::foreign::{beside_the_noise_of, strangest};
 use crate::general::{self, Lack};
 use crate::left::lack;
 use crate::selection::{ALPHA_GENERAL, MOST_EFFECTS, SHAPE_TOLERANCE, Selected, Single, strict};
@@ -19,11 +20,16 @@ const DOMINANT_PAIR: f64 = 0.95;
 /// The same of three: beside a rest they are as little to be believed as four, unless it is what their shapes may be wrong by.
 const DOMINANT_TRIPLE: f64 = 1.0 - SHAPE_TOLERANCE * SHAPE_TOLERANCE;
 
+/// Runs with a law of their own are looked at closely from this share on of what all named causes explain.
+const NEAR: f64 = 0.5;
+
 /// Asks of a finished selection whether its names may stay.
 pub(crate) fn take_back(bench: &Bench<'_>, selected: &mut Selected) {
     refuse_uneven(bench, selected);
     refuse_another_law(bench, selected);
-    refuse_beside_step(bench, selected, -2.0 * strict(&selected.first));
+    let worth = -2.0 * strict(&selected.first);
+    refuse_beside_step(bench, selected, worth);
+    refuse_beside_foreign_runs(bench, selected, worth);
     keep_dominant(bench, selected);
 }
 
@@ -163,16 +169,52 @@ fn refuse_beside_step(bench: &Bench<'_>, selected: &mut Selected, margin: f64) {
     if step.explained < law.deviance - selected.stand.deviance + margin {
         return;
     }
-    let fitted = law.fitted.clone();
     let why = "explains less than one step of friction somewhere on the plate would";
     say_why(bench, selected, why);
-    selected.stand = Stand::new(bench, &selected.subset, fitted, selected.stand.sizes);
-    selected.entry_log_p.clear();
-    selected.left = Lack {
+    let left = Lack {
         log_p: step.log_p,
         place: Some(step.place),
         excess: step.explained,
     };
+    back_to_the_law(bench, selected, left);
+}
+
+/// Where one or two runs with a law of their own explain what all named causes together explain, nothing is named: they were made with
+/// another specimen. That is one statement: each cause after the second must be worth its name beyond it, and one alone need not be.
+fn refuse_beside_foreign_runs(bench: &Bench<'_>, selected: &mut Selected, worth: f64) {
+    let (law, subset) = (&selected.baseline, &selected.subset);
+    let names = selected.stand.fitted.effects.len();
+    if names == 0 {
+        return;
+    }
+    let named = law.deviance - selected.stand.deviance;
+    let near = strangest(bench, subset, law).filter(|f| f.explained > NEAR * named);
+    let Some(near) = near else {
+        return;
+    };
+    let closer = beside_the_noise_of(bench, subset, law, &near);
+    let foreign = closer
+        .filter(|c| c.explained > near.explained)
+        .unwrap_or(near);
+    if foreign.explained < named + worth * (2.0 - names as f64) {
+        return;
+    }
+    let why = "explains no more than a law of its own for one or two runs would";
+    say_why(bench, selected, why);
+    let left = Lack {
+        log_p: foreign.log_p,
+        place: Some(foreign.place(bench, &selected.subset)),
+        excess: foreign.explained,
+    };
+    back_to_the_law(bench, selected, left);
+}
+
+/// The law alone, beside which this is left.
+fn back_to_the_law(bench: &Bench<'_>, selected: &mut Selected, left: Lack) {
+    let fitted = selected.baseline.fitted.clone();
+    selected.stand = Stand::new(bench, &selected.subset, fitted, selected.stand.sizes);
+    selected.entry_log_p.clear();
+    selected.left = left;
 }
 
 /// A step of friction on the plate beside the law alone.

@@ -223,6 +223,12 @@ pub enum Effect {
     },
     /// Dust gathers before the brush and is shed: friction rises and falls irregularly along each run.
     Debris { amplitude: f64, interval_m: f64 },
+    /// Two runs (by their place in the day) were made with another specimen: stiffer bristles, and another level of friction.
+    OtherSpecimen {
+        stiffness_minus_1: f64,
+        level_minus_1: f64,
+        runs: [usize; 2],
+    },
 }
 
 impl Effect {
@@ -262,6 +268,7 @@ impl Effect {
             Self::LooseClamp { .. } => "alien-loose-clamp",
             Self::SecondPopulation { .. } => "alien-second-population",
             Self::Debris { .. } => "alien-debris",
+            Self::OtherSpecimen { .. } => "alien-other-specimen",
         }
     }
 

@@ -110,6 +110,30 @@ impl Law {
         }
     }
 
+    /// The same law with bristles so much stiffer and so much more friction (levels of g; of the viscous part nothing changes).
+    pub fn of_another_specimen(self, stiffness_minus_1: f64, level_minus_1: f64) -> Self {
+        let (stiffer, level) = (1.0 + stiffness_minus_1, 1.0 + level_minus_1);
+        let deflection = |of: Deflection| Deflection {
+            stiffness: of.stiffness * stiffer,
+            coulomb: of.coulomb * level,
+            breakaway: of.breakaway * level,
+            ..of
+        };
+        match self {
+            // In steady sliding sigma0 g/sigma is the level: g takes back what sigma0 adds.
+            Self::AsymmetricBristle(of) => Self::AsymmetricBristle(Bristle {
+                sigma0: of.sigma0 * stiffer,
+                theta_c: of.theta_c * level / stiffer,
+                theta_s: of.theta_s * level / stiffer,
+                ..of
+            }),
+            Self::Lugre(of) => Self::Lugre(deflection(of)),
+            Self::Dahl(of) => Self::Dahl(deflection(of)),
+            Self::Stribeck(of) => Self::Stribeck(deflection(of)),
+            Self::CoulombViscous(of) => Self::CoulombViscous(deflection(of)),
+        }
+    }
+
     fn has_state(&self) -> bool {
         !matches!(self, Self::Stribeck(_) | Self::CoulombViscous(_))
     }

@@ -53,7 +53,7 @@ pub fn run_day(rig: &Rig, plan: &Plan, noise: &Noise, seed: u64) -> Vec<Recordin
     for (index, run) in plan.runs.iter().enumerate() {
         rest_before(rig, run, &mut history);
         recordings.push(record_run(
-            rig,
+            &with_its_specimen(rig, index),
             plan,
             run,
             index,
@@ -64,6 +64,23 @@ pub fn run_day(rig: &Rig, plan: &Plan, noise: &Noise, seed: u64) -> Vec<Recordin
         ));
     }
     recordings
+}
+
+/// The rig with the specimen of a run.
+fn with_its_specimen(rig: &Rig, index: usize) -> Rig {
+    let mut rig = rig.clone();
+    for effect in &rig.effects {
+        if let Effect::OtherSpecimen {
+            stiffness_minus_1,
+            level_minus_1,
+            runs,
+        } = *effect
+            && runs.contains(&index)
+        {
+            rig.law = (rig.law).of_another_specimen(stiffness_minus_1, level_minus_1);
+        }
+    }
+    rig
 }
 
 /// What time does to the specimen between two runs: it cools.

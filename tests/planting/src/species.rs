@@ -38,13 +38,14 @@ pub const CAUSES: [&str; 27] = [
 ];
 
 /// Effects outside the catalogue.
-pub const ALIENS: [&str; 6] = [
+pub const ALIENS: [&str; 7] = [
     "alien-scratch",
     "alien-plate-step",
     "alien-stick-slip-burst",
     "alien-loose-clamp",
     "alien-second-population",
     "alien-debris",
+    "alien-other-specimen",
 ];
 
 /// Causes that can be planted in a second shape.
@@ -285,6 +286,14 @@ pub fn draw(
             amplitude: 0.1 * size,
             interval_m: scales.travel_m / 8.0,
         },
+        "alien-other-specimen" => {
+            let first = 1 + (3.0 * share) as usize;
+            Effect::OtherSpecimen {
+                stiffness_minus_1: 0.04 * size,
+                level_minus_1: -0.05 * size,
+                runs: [first, first + 5],
+            }
+        }
         _ => return None,
     };
     Some(effect)

@@ -28,11 +28,12 @@ pub(super) fn print(answer: &Diagnosis) {
     if answer.unexplained.detected {
         match &answer.unexplained.r#where {
             Some(place) => say!(
-                "unexplained structure at {} {} to {} {}",
+                "unexplained structure at {} {} to {} {}{}",
                 place.axis,
                 significant(place.from),
                 significant(place.to),
-                place.unit
+                place.unit,
+                of_runs(&place.runs)
             ),
             None => say!("unexplained structure"),
         }
@@ -48,6 +49,19 @@ pub(super) fn print(answer: &Diagnosis) {
     laws(&answer.laws, unit);
     for note in &answer.notes {
         say!("note: {note}");
+    }
+}
+
+/// More runs than this are not listed on one line.
+const LISTED: usize = 4;
+
+/// The runs where something sits, if they are few.
+fn of_runs(runs: &[String]) -> String {
+    match runs {
+        [] => String::new(),
+        [one] => format!(" of run {one}"),
+        few if few.len() <= LISTED => format!(" of runs {}", few.join(", ")),
+        _ => String::new(),
     }
 }
 
