@@ -261,9 +261,11 @@ impl<'a, 'b> Forward<'a, 'b> {
         Some(selected)
     }
 
-    /// The tail probability of the campaign being noise, causes and general alternative together.
+    /// The tail probability of the campaign being noise, causes and general alternative together. A cause that the noise of the law alone
+    /// had taken up is seen only as it comes in.
     fn gate_log_p(&self) -> f64 {
-        let best = self.first.candidates.first().map_or(0.0, |c| c.log_p);
+        let seen = self.first.candidates.first().map(|c| c.log_p);
+        let best = (self.entry.iter().copied().chain(seen)).fold(0.0, f64::min);
         (best + (self.first.asked.max(1) as f64 / 0.5).ln())
             .min(self.general.log_p + 2.0_f64.ln())
             .min(0.0)

@@ -269,48 +269,6 @@ fn zeros(samples: &Samples) -> Hats {
     }
 }
 
-/// Places of the plate at which steps are looked for.
-pub(crate) const STEPS: usize = 47;
-
-/// Steps of friction on the plate, at places between its ends: one column a place.
-pub(crate) fn steps(samples: &Samples, scale: &[f64]) -> Hats {
-    let (lo, hi) = range(&samples.place);
-    let width = (hi - lo) / (STEPS + 1) as f64;
-    let places: Vec<f64> = (1..=STEPS).map(|j| lo + width * j as f64).collect();
-    steps_at(samples, scale, &places, width)
-}
-
-/// Steps of friction at these places of the plate, each known to within `width`.
-pub(crate) fn steps_at(samples: &Samples, scale: &[f64], places: &[f64], width: f64) -> Hats {
-    let columns = DMatrix::from_fn(samples.len(), places.len(), |i, j| {
-        if samples.place[i] > places[j] {
-            scale[i]
-        } else {
-            0.0
-        }
-    });
-    let cells = places.iter().map(|at| (at - width, at + width, None));
-    Hats {
-        axis: "position",
-        unit: "m",
-        columns,
-        cells: cells.collect(),
-    }
-}
-
-impl Hats {
-    /// Where the j-th column sits, in all runs.
-    pub(crate) fn place(&self, j: usize, names: &[String]) -> Place {
-        Place {
-            axis: self.axis.into(),
-            from: self.cells[j].0,
-            to: self.cells[j].1,
-            unit: self.unit.into(),
-            runs: names.to_vec(),
-        }
-    }
-}
-
 /// Tests whitened families against a ground; `whitened[f]` belongs to `families[f]`.
 pub(crate) fn test(
     ground: &Ground,

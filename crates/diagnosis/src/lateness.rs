@@ -28,6 +28,8 @@ pub(crate) struct Lateness {
     pub(crate) delay_s: f64,
     /// Time constant of a first-order filter, s.
     pub(crate) lag_s: f64,
+    /// Whether roughness reaches the record past the resonance of a cord, as what rides on the transmitted force does, and not through it.
+    pub(crate) past_resonance: bool,
 }
 
 impl Lateness {
@@ -36,17 +38,19 @@ impl Lateness {
         self.delay_s + left_s(step_s, self.lag_s)
     }
 
-    fn delay(delay_s: f64) -> Self {
+    fn delay(self, delay_s: f64) -> Self {
         Self {
             delay_s,
             lag_s: 0.0,
+            ..self
         }
     }
 
-    fn filter(lag_s: f64) -> Self {
+    fn filter(self, lag_s: f64) -> Self {
         Self {
             delay_s: 0.0,
             lag_s,
+            ..self
         }
     }
 }
@@ -59,12 +63,17 @@ pub(crate) fn looked_up(
     stand: Stand,
     depth: Depth,
 ) -> Option<(Stand, bool)> {
-    let suggested = stand.fitted.model.lateness_s(&stand.fitted.parameters);
-    if suggested == 0.0 || subset.is_averaged() {
-        return Some((stand, false));
-    }
     let before = subset.lateness();
     let mut best = stand;
+    if depth == Depth::Full
+        && let Some((other, beside)) = past_resonance(bench, subset, &best)
+    {
+        (*subset, best) = (other, beside);
+    }
+    let suggested = best.fitted.model.lateness_s(&best.fitted.parameters);
+    if suggested == 0.0 || subset.is_averaged() {
+        return Some((best, subset.lateness() != before));
+    }
     if let Some(later) = later(bench, subset, &best, suggested) {
         *subset = later;
         best = resettled(bench, subset, &best, Some(best.sizes))?;
@@ -72,7 +81,7 @@ pub(crate) fn looked_up(
     let filtered = subset.lateness().lag_s > 0.0;
     if suggested > 0.0 && !filtered && depth == Depth::Full {
         // Behind a filter the roughness has other sizes than it seems to have.
-        let other = subset.late_by(Lateness::filter(suggested));
+        let other = subset.late_by(subset.lateness().filter(suggested));
         let behind = resettled(bench, &other, &best, None)?;
         if behind.deviance < best.deviance - WORTH {
             *subset = other;
@@ -84,6 +93,19 @@ pub(crate) fn looked_up(
         }
     }
     Some((best, subset.lateness() != before))
+}
+
+/// The stand with roughness that reaches the record past the resonance of its cord, and the subset with it, where that is likelier.
+fn past_resonance(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Option<(Subset, Stand)> {
+    if subset.rings(bench, &stand.fitted).is_empty() {
+        return None;
+    }
+    let other = subset.late_by(Lateness {
+        past_resonance: true,
+        ..subset.lateness()
+    });
+    let beside = resettled(bench, &other, stand, None)?;
+    (beside.deviance < stand.deviance - WORTH).then_some((other, beside))
 }
 
 /// The stand's model under the noise that its runs have as late as the subset says.
@@ -106,7 +128,7 @@ fn later(bench: &Bench<'_>, subset: &Subset, stand: &Stand, suggested: f64) -> O
     let worth = |subset: &Subset| stand.deviance_with(bench, subset, stand.sizes);
     SHARES
         .iter()
-        .map(|share| subset.late_by(kind(share * suggested)))
+        .map(|share| subset.late_by(kind(subset.lateness(), share * suggested)))
         .map(|later| (worth(&later), later))
         .min_by(|a, b| a.0.total_cmp(&b.0))
         .filter(|best| best.0 < worth(subset) - WORTH)

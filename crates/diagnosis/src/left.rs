@@ -7,7 +7,7 @@ use crate::answer::Place;
 use crate::bench::Bench;
 use crate::bursts::bursts;
 use crate::general::{self, Lack};
-use crate::marks::marks;
+use crate::marks::{self, Mark};
 use crate::patterns::patterns;
 use crate::selection::ALPHA_GENERAL;
 use crate::stand::Stand;
@@ -36,7 +36,8 @@ pub(crate) fn lack(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Lack {
     let ground = coarse.as_ref().unwrap_or(&stand.ground);
     let smooth = general::test(ground, &families, &white, &samples, &names);
     let burst = bursts(ground, &samples, &names, coarse.is_some());
-    let mark = marks(bench, stand, ground, subset, &samples, &scale);
+    let mark = marks::strongest(bench, subset, stand, ground);
+    let mark = mark.map_or_else(Lack::nothing, Mark::lack);
     let pattern = patterns(ground, stand.white_gains(), &samples, &names);
     let paid = |mut lack: Lack, share: f64| {
         lack.log_p = (lack.log_p - share.ln()).min(0.0);

@@ -43,6 +43,7 @@ mod marks;
 mod patterns;
 mod peaks;
 mod periodic;
+mod places;
 mod prepare;
 mod prior;
 mod probability;

@@ -2,204 +2,213 @@
 //! on friction is another.
 //!
 //! Roughness fixed to the plate repeats in every run as a mark does, and is no error of a law. A mark is told from it by its
-//! size alone: friction raised or lowered by a factor over a short stretch, or beyond a place, scored against the field's own spread. The
-//! spread's tails are taken from the stretches themselves, as Student's t with the freedom that their quantiles show.
+//! size alone: friction raised or lowered by a factor over a short stretch, evenly or towards its middle, or beyond a place, scored against
+//! the field's own spread. The spread's tails are taken from all marks that are asked for, as Student's t with the freedom that their
+//! quantiles show.
+//!
+//! A mark makes the plate look rougher than it is. The strongest one is weighed again with the noise estimated beside it, by
+//! what its likelihood gains, each model under its own noise.
 
-use nalgebra::DMatrix;
+use fitting::noise::Sizes;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::answer::Place;
 use crate::bench::Bench;
 use crate::general::Lack;
 use crate::ground::Ground;
-use crate::samples::Samples;
+use crate::places::{Cells, Course, Shape, Sums, closely};
 use crate::stand::Stand;
 use crate::subset::Subset;
 use crate::tail::{log_chi2_tail, normal_deviate};
 
-/// Widths of a mark, in correlation lengths of the roughness; steps are looked for at the places of the shortest.
-const WIDTHS: [f64; 3] = [1.0, 2.0, 4.0];
-/// Stretches of one width: at most this many.
-const MOST: usize = 240;
-/// Samples that must lie on a stretch, and elsewhere.
-const FEWEST: usize = 3;
+/// Standard deviations of the strongest mark from which the noise is estimated beside it.
+const SUSPECT: f64 = 4.0;
+/// Roughness of the plate beside which its place is sought, as a share of the smaller one of plate and runs.
+const SHARP: f64 = 0.25;
 /// Freedom of the tails: heavier than with the first no mark can be told from the roughness, from the last on they are normal.
 const FREEDOMS: [f64; 7] = [3.0, 4.0, 5.0, 7.0, 10.0, 15.0, 30.0];
 
-/// One stretch of the plate with the signed deviate of friction on it.
-struct Stretch {
-    from: f64,
-    to: f64,
-    z: f64,
+/// The strongest mark beside a stand.
+pub(crate) struct Mark {
+    pub(crate) place: Place,
+    /// Logarithm of the tail probability, the search paid for.
+    pub(crate) log_p: f64,
+    /// What -2 log likelihood falls by with the mark in the model, each at its own noise and scatter, less what the search costs.
+    pub(crate) explained: f64,
+}
+
+impl Mark {
+    pub(crate) fn lack(self) -> Lack {
+        Lack {
+            log_p: self.log_p,
+            place: Some(self.place),
+            excess: self.explained.max(0.0),
+        }
+    }
 }
 
 /// The strongest mark beside a stand.
-pub(crate) fn marks(
+pub(crate) fn strongest(
     bench: &Bench<'_>,
+    subset: &Subset,
     stand: &Stand,
     ground: &Ground,
-    subset: &Subset,
-    samples: &Samples,
-    scale: &[f64],
-) -> Lack {
-    let nothing = Lack::nothing();
-    let stretches = stretches(stand, ground, samples, scale);
-    let Some(best) = stretches
-        .iter()
-        .max_by(|a, b| a.z.abs().total_cmp(&b.z.abs()))
-    else {
-        return nothing;
+) -> Option<Mark> {
+    let samples = subset.samples_on_the_plate(bench);
+    let scale = subset.gather(stand.fitted.friction(bench));
+    let search = Search {
+        cells: Cells::new(stand.sizes.length, &samples)?,
+        scale: scale.as_slice(),
+        names: bench.run_names(subset),
     };
-    let (spread, freedom) = tails(&stretches);
-    let deviate = normal_deviate(best.z.abs() / spread, freedom);
-    let log_p = log_chi2_tail(deviate * deviate, 1) + (stretches.len() as f64).ln();
-    // Neighbours that deviate alike belong to the same mark.
-    let alike = |s: &&Stretch| s.z * best.z.signum() > 0.5 * best.z.abs();
-    let near = |s: &&Stretch| s.to > best.from && s.from < best.to;
-    let (from, to) = stretches
-        .iter()
-        .filter(alike)
-        .filter(near)
-        .fold((best.from, best.to), |(a, b), s| {
-            (a.min(s.from), b.max(s.to))
-        });
-    Lack {
-        log_p: log_p.min(0.0),
-        place: Some(Place {
-            axis: "position".into(),
-            from,
-            to,
-            unit: "m".into(),
-            runs: bench.run_names(subset),
-        }),
-        excess: (best.z * best.z - 1.0).max(0.0),
+    let sums = Sums::new(stand, ground, &search.cells, search.scale);
+    let marks = scored(ground, &sums, search.cells.shapes());
+    let best = largest(&marks)?;
+    let seen = search.mark(
+        search.together(&marks, best),
+        &Weight {
+            deviance: best.z * best.z,
+            explained: ground.explained(&sums.direction(ground, best.shape)?),
+            tails: tails(&marks),
+            asked: marks.len(),
+        },
+    );
+    if best.z.abs() < SUSPECT || stand.sizes.plate <= 0.0 {
+        return Some(seen);
     }
+    let closer = search.beside_its_own_noise(bench, subset, stand);
+    Some(match closer {
+        Some(closer) if closer.explained > seen.explained => closer,
+        _ => seen,
+    })
 }
 
-/// All stretches that samples lie on, and what lies beyond each place.
-fn stretches(stand: &Stand, ground: &Ground, samples: &Samples, scale: &[f64]) -> Vec<Stretch> {
-    let Some(cells) = Cells::new(stand.sizes.length, samples) else {
-        return Vec::new();
-    };
-    let sums = Sums::new(stand, ground, &cells, scale);
-    let mut out = Vec::new();
-    let mut before = 0;
-    for share in WIDTHS {
-        // Whole cells; where the plate is long against the roughness, widths fall together.
-        let width = ((share * stand.sizes.length / cells.width).round() as usize).max(2);
-        if width == before {
-            continue;
-        }
-        before = width;
-        let starts = (0..).step_by(width / 2);
-        for from in starts.take_while(|from| from + width <= cells.count) {
-            let to = from + width;
-            let z = sums.deviate(ground, from, to);
-            out.extend(z.map(|z| cells.stretch(from, to, z)));
-        }
-    }
-    for middle in 1..cells.count {
-        let z = sums.deviate(ground, middle, cells.count);
-        out.extend(z.map(|z| cells.stretch(middle - 1, middle + 1, z)));
-    }
-    out
+/// A mark with its signed deviate.
+#[derive(Clone, Copy)]
+struct Scored {
+    shape: Shape,
+    z: f64,
 }
 
-/// The plate in cells of half the shortest width.
-struct Cells {
-    lo: f64,
-    width: f64,
-    count: usize,
-    /// The cell of each sample; what lies beyond the last whole one belongs to it.
-    of_sample: Vec<usize>,
-}
-
-impl Cells {
-    /// `None` where the runs pass no two places.
-    fn new(length: f64, samples: &Samples) -> Option<Self> {
-        let places = samples.place.iter();
-        let (lo, hi) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| {
-            (a.min(x), b.max(x))
-        });
-        let width = (0.5 * WIDTHS[0] * length).max((hi - lo) / MOST as f64);
-        let count = ((hi - lo) / width) as usize;
-        let cell = |&x: &f64| (((x - lo) / width) as usize).min(count - 1);
-        (count >= 2).then(|| Self {
-            lo,
-            width,
-            count,
-            of_sample: samples.place.iter().map(cell).collect(),
-        })
-    }
-
-    fn stretch(&self, from: usize, to: usize, z: f64) -> Stretch {
-        let edge = |k: usize| self.lo + self.width * k as f64;
-        Stretch {
-            from: edge(from),
-            to: edge(to),
-            z,
-        }
-    }
-}
-
-/// Friction on the plate up to each edge of the cells: friction on a stretch is the difference of two such columns, and whitening and
-/// projecting are linear, so that each cell is whitened once for all stretches that it lies on.
-struct Sums {
-    /// Whitened; column e belongs to the cells before edge e.
-    white: DMatrix<f64>,
-    /// With the model's directions taken out.
-    free: DMatrix<f64>,
-    /// Samples before each edge.
-    samples: Vec<usize>,
-}
-
-impl Sums {
-    fn new(stand: &Stand, ground: &Ground, cells: &Cells, scale: &[f64]) -> Self {
-        let mut own = DMatrix::zeros(scale.len(), cells.count);
-        let mut samples = vec![0; cells.count + 1];
-        for (i, (&cell, &friction)) in cells.of_sample.iter().zip(scale).enumerate() {
-            own[(i, cell)] = friction;
-            samples[cell + 1] += usize::from(friction != 0.0);
-        }
-        let white = summed(&stand.whiten_own(&own));
-        for edge in 1..samples.len() {
-            samples[edge] += samples[edge - 1];
-        }
-        Self {
-            free: ground.project(&white),
-            white,
-            samples,
-        }
-    }
-
-    /// Signed deviate of friction between two edges; `None` where too few samples lie there, or elsewhere.
-    fn deviate(&self, ground: &Ground, from: usize, to: usize) -> Option<f64> {
-        let on_it = self.samples[to] - self.samples[from];
-        if on_it < FEWEST || self.white.nrows() < on_it + FEWEST {
-            return None;
-        }
-        let between = |sums: &DMatrix<f64>| sums.column(to) - sums.column(from);
-        let direction = ground.along(between(&self.free), between(&self.white).norm())?;
-        let score = ground.score(&direction);
+fn scored(ground: &Ground, sums: &Sums, shapes: Vec<Shape>) -> Vec<Scored> {
+    let score = |shape| {
+        let score = ground.score(&sums.direction(ground, shape)?);
         let sign = score.coefficients.first().map_or(0.0, |c| c.signum());
-        Some(sign * score.z())
+        Some(Scored {
+            shape,
+            z: sign * score.z(),
+        })
+    };
+    shapes.into_iter().filter_map(score).collect()
+}
+
+fn largest(marks: &[Scored]) -> Option<Scored> {
+    let size = |a: &&Scored, b: &&Scored| a.z.abs().total_cmp(&b.z.abs());
+    marks.iter().max_by(size).copied()
+}
+
+/// What the strongest of the marks is worth.
+struct Weight {
+    /// Square of its deviate.
+    deviance: f64,
+    explained: f64,
+    /// Spread and freedom of the others' deviates.
+    tails: (f64, f64),
+    /// How many marks were asked for.
+    asked: usize,
+}
+
+/// Where marks are looked for.
+struct Search<'a> {
+    cells: Cells,
+    scale: &'a [f64],
+    names: Vec<String>,
+}
+
+impl Search<'_> {
+    /// The strongest mark once more with the noise estimated beside it, roughness of one length (of a length of its own, the plate's takes up
+    /// a step).
+    fn beside_its_own_noise(
+        &self,
+        bench: &Bench<'_>,
+        subset: &Subset,
+        stand: &Stand,
+    ) -> Option<Mark> {
+        let (fitted, jacobian) = (&stand.fitted, &stand.jacobian);
+        let (course, extent, asked) = self.sharply(bench, subset, stand)?;
+        let column = course.column(&subset.all_places(bench), fitted.friction(bench));
+        let sizes = bench.noise_of_one_length(subset, fitted, jacobian, &column, stand.sizes);
+        let own = Stand::new(bench, subset, fitted.clone(), sizes);
+        let white = own.whiten(subset, &column);
+        let direction = own.ground.direction(&white)?;
+        let saved = stand.deviance - own.deviance + own.ground.explained(&direction);
+        let rest = own.ground_beside(&white);
+        let sums = Sums::new(&own, &rest, &self.cells, self.scale);
+        let others = scored(&rest, &sums, self.cells.shapes());
+        let weight = Weight {
+            deviance: saved.max(0.0),
+            explained: saved,
+            tails: tails(&others),
+            asked,
+        };
+        Some(self.mark(extent, &weight))
+    }
+
+    /// The strongest mark as it is found beside a plate that is hardly rough, where it is, and how many were asked for: roughness that was
+    /// estimated with the mark in it lets places that are far apart fit alike.
+    fn sharply(
+        &self,
+        bench: &Bench<'_>,
+        subset: &Subset,
+        stand: &Stand,
+    ) -> Option<(Course, (f64, f64), usize)> {
+        let sizes = Sizes {
+            plate: SHARP * stand.sizes.plate.min(stand.sizes.private),
+            plate_smoothing: stand.sizes.smoothing,
+            plate_ratio: 1.0,
+            ..stand.sizes
+        };
+        let sharp = Stand::new(bench, subset, stand.fitted.clone(), sizes);
+        let sums = Sums::new(&sharp, &sharp.ground, &self.cells, self.scale);
+        let all = scored(&sharp.ground, &sums, self.cells.shapes());
+        let extent = self.cells.extent(largest(&all)?.shape);
+        let samples = subset.samples_on_the_plate(bench);
+        let (course, extent, tried) = closely(&sharp, &samples, self.scale, extent)?;
+        Some((course, extent, all.len() + tried))
+    }
+
+    /// A mark that sits here.
+    fn mark(&self, (from, to): (f64, f64), weight: &Weight) -> Mark {
+        let price = (weight.asked as f64).ln();
+        let (spread, freedom) = weight.tails;
+        let deviate = normal_deviate(weight.deviance.sqrt() / spread, freedom);
+        Mark {
+            place: Place {
+                axis: "position".into(),
+                from,
+                to,
+                unit: "m".into(),
+                runs: self.names.clone(),
+            },
+            log_p: (log_chi2_tail(deviate * deviate, 1) + price).min(0.0),
+            explained: weight.explained - 2.0 * price,
+        }
+    }
+
+    /// Neighbours that deviate alike belong to the same mark.
+    fn together(&self, marks: &[Scored], best: Scored) -> (f64, f64) {
+        let within = self.cells.extent(best.shape);
+        let alike = |m: &&Scored| m.z * best.z.signum() > 0.5 * best.z.abs();
+        (marks.iter().filter(alike))
+            .map(|m| self.cells.extent(m.shape))
+            .filter(|(from, to)| *to > within.0 && *from < within.1)
+            .fold(within, |(a, b), (from, to)| (a.min(from), b.max(to)))
     }
 }
 
-/// Column e: the sum of the columns before e.
-fn summed(own: &DMatrix<f64>) -> DMatrix<f64> {
-    let (n, count) = own.shape();
-    let mut sums = DMatrix::zeros(n, count + 1);
-    for k in 0..count {
-        let next = sums.column(k) + own.column(k);
-        sums.set_column(k + 1, &next);
-    }
-    sums
-}
-
-/// Spread (at least 1) and freedom of the stretches' deviates, from their median and their ninth decile.
-fn tails(stretches: &[Stretch]) -> (f64, f64) {
-    let mut sizes: Vec<f64> = stretches.iter().map(|s| s.z.abs()).collect();
+/// Spread (at least 1) and freedom of the marks' deviates, from their median and their ninth decile.
+fn tails(marks: &[Scored]) -> (f64, f64) {
+    let mut sizes: Vec<f64> = marks.iter().map(|m| m.z.abs()).collect();
     sizes.sort_by(f64::total_cmp);
     let at = |q: f64| sizes[((sizes.len() - 1) as f64 * q) as usize];
     let (middle, high) = (at(0.5).max(1e-12), at(0.9));

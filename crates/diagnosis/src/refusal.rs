@@ -2,15 +2,14 @@
 
 use rig::{Reach, Station};
 
-use crate::answer::Place;
 use crate::bench::{Bench, Fitted};
 use crate::equivalence::{Contest, Opponent};
 use crate::foreign::{beside_the_noise_of, strangest};
-use crate::general::{self, Lack};
+use crate::general::Lack;
 use crate::left::lack;
+use crate::marks;
 use crate::selection::{ALPHA_GENERAL, MOST_EFFECTS, SHAPE_TOLERANCE, Selected, Single, strict};
 use crate::stand::Stand;
-use crate::subset::Subset;
 use crate::uniform::is_uniform;
 
 /// Where something is left that nothing explains, one cause stays named only if it explains this share of all of it.
@@ -28,7 +27,7 @@ pub(crate) fn take_back(bench: &Bench<'_>, selected: &mut Selected) {
     refuse_uneven(bench, selected);
     refuse_another_law(bench, selected);
     let worth = -2.0 * strict(&selected.first);
-    refuse_beside_step(bench, selected, worth);
+    refuse_beside_mark(bench, selected, worth);
     refuse_beside_foreign_runs(bench, selected, worth);
     keep_dominant(bench, selected);
 }
@@ -148,35 +147,22 @@ pub(crate) fn take_all_back(bench: &Bench<'_>, selected: &mut Selected) {
     selected.left.log_p = selected.left.log_p.min(seen);
 }
 
-/// Where one step of friction somewhere on the plate explains more than all named causes together, nothing is named: a step
-/// in the middle looks like a gradient, three quarters of it.
-fn refuse_beside_step(bench: &Bench<'_>, selected: &mut Selected, margin: f64) {
-    let effects = &selected.stand.fitted.effects;
-    if effects.is_empty() {
+/// Where one mark somewhere on the plate explains more than all named causes together, nothing is named: a step in the middle looks like
+/// a gradient, three quarters of it.
+fn refuse_beside_mark(bench: &Bench<'_>, selected: &mut Selected, worth: f64) {
+    if selected.stand.fitted.effects.is_empty() {
         return;
     }
     let law = &selected.baseline;
-    let Some(mut step) = strongest_step(bench, &selected.subset, law, None) else {
+    let Some(mark) = marks::strongest(bench, &selected.subset, law, &law.ground) else {
         return;
     };
-    let of_the_plate = |&cause: &usize| bench.catalogue[cause].station() == Station::Surface;
-    if effects.iter().any(of_the_plate)
-        && let Some(closer) = beside_its_own_noise(bench, selected, &step)
-        && closer.explained > step.explained
-    {
-        step = closer;
-    }
-    if step.explained < law.deviance - selected.stand.deviance + margin {
+    if mark.explained < law.deviance - selected.stand.deviance + worth {
         return;
     }
-    let why = "explains less than one step of friction somewhere on the plate would";
+    let why = "explains less than a scratch or a step of friction somewhere on the plate would";
     say_why(bench, selected, why);
-    let left = Lack {
-        log_p: step.log_p,
-        place: Some(step.place),
-        excess: step.explained,
-    };
-    back_to_the_law(bench, selected, left);
+    back_to_the_law(bench, selected, mark.lack());
 }
 
 /// Where one or two runs with a law of their own explain what all named causes together explain, nothing is named: they were made with
@@ -215,72 +201,6 @@ fn back_to_the_law(bench: &Bench<'_>, selected: &mut Selected, left: Lack) {
     selected.stand = Stand::new(bench, &selected.subset, fitted, selected.stand.sizes);
     selected.entry_log_p.clear();
     selected.left = left;
-}
-
-/// A step of friction on the plate beside the law alone.
-struct Step {
-    place: Place,
-    /// Deviance that it explains.
-    explained: f64,
-    log_p: f64,
-}
-
-/// Shares of a cell by which a step's place is moved to and fro once it is known to a cell.
-const WITHIN_A_CELL: i32 = 8;
-
-/// The step that explains most beside a stand of the law; `about`: only near this place, finely.
-fn strongest_step(
-    bench: &Bench<'_>,
-    subset: &Subset,
-    law: &Stand,
-    about: Option<&Place>,
-) -> Option<Step> {
-    let samples = subset.samples_on_the_plate(bench);
-    let scale = subset.gather(law.fitted.friction(bench));
-    let steps = match about {
-        None => general::steps(&samples, scale.as_slice()),
-        Some(place) => {
-            let half = 0.5 * (place.to - place.from);
-            let moved = (-WITHIN_A_CELL..=WITHIN_A_CELL).map(f64::from);
-            let middle = place.from + half;
-            let places = moved.map(|k| middle + half * k / f64::from(WITHIN_A_CELL));
-            general::steps_at(
-                &samples,
-                scale.as_slice(),
-                &places.collect::<Vec<_>>(),
-                half,
-            )
-        }
-    };
-    let white = law.whiten_own(&steps.columns);
-    let strongest = (0..white.ncols())
-        .filter_map(|j| {
-            let direction = law.ground.direction(&white.columns(j, 1).into_owned())?;
-            Some((j, law.ground.explained(&direction), direction))
-        })
-        .max_by(|a, b| a.1.total_cmp(&b.1));
-    strongest.map(|(j, explained, direction)| Step {
-        place: steps.place(j, &bench.run_names(subset)),
-        explained,
-        log_p: law.ground.score(&direction).log_p,
-    })
-}
-
-/// The same step with the noise estimated beside it, by roughness of one length: beside the law alone the roughness of the plate swallows
-/// most of a step, by its size and by a length of its own. All places that were tried are paid for.
-fn beside_its_own_noise(bench: &Bench<'_>, selected: &Selected, step: &Step) -> Option<Step> {
-    let (law, subset) = (&selected.baseline, &selected.subset);
-    let at = 0.5 * (step.place.from + step.place.to);
-    let friction = law.fitted.friction(bench);
-    let column = general::steps_at(&bench.samples, friction, &[at], 0.0).columns;
-    let sizes = bench.noise_of_one_length(subset, &law.fitted, &law.jacobian, &column, law.sizes);
-    let own = Stand::new(bench, subset, law.fitted.clone(), sizes);
-    let closer = strongest_step(bench, subset, &own, Some(&step.place))?;
-    let tried = (general::STEPS * WITHIN_A_CELL as usize) as f64;
-    Some(Step {
-        explained: law.deviance - own.deviance + closer.explained - 2.0 * tried.ln(),
-        ..closer
-    })
 }
 
 /// Where something is left that nothing explains: only causes that explain most of it stay named.

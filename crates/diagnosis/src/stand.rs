@@ -186,6 +186,17 @@ impl Stand {
         ))
     }
 
+    /// The ground with these whitened columns in the model, too.
+    pub(crate) fn ground_beside(&self, white: &DMatrix<f64>) -> Ground {
+        let (n, p) = self.white_jacobian.shape();
+        let mut model = self
+            .white_jacobian
+            .clone()
+            .resize_horizontally(p + white.ncols(), 0.0);
+        model.view_mut((0, p), (n, white.ncols())).copy_from(white);
+        Ground::new(&model, &self.white_gains, &self.white, &self.conditions)
+    }
+
     /// Whitened gains of the runs, with the prior's rows.
     pub(crate) fn white_gains(&self) -> &DMatrix<f64> {
         &self.white_gains

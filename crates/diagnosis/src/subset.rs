@@ -103,6 +103,13 @@ impl Subset {
         }
     }
 
+    /// Places on the plate of all samples of the record.
+    pub(crate) fn all_places(&self, bench: &Bench<'_>) -> Vec<f64> {
+        let mut places = bench.samples.place.clone();
+        self.on_the_plate(bench, &mut places);
+        places
+    }
+
     /// Whether samples are means over rows.
     pub(crate) fn is_averaged(&self) -> bool {
         self.weight.is_some()
@@ -200,9 +207,9 @@ impl Subset {
         context
     }
 
-    /// The resonances of a fit's runs; none where samples are averaged.
+    /// The resonances of a fit's runs; none where samples are averaged or roughness passes by them.
     pub(crate) fn rings(&self, bench: &Bench<'_>, fitted: &Fitted) -> Vec<(Range<usize>, Ring)> {
-        if self.weight.is_some() {
+        if self.weight.is_some() || self.late.past_resonance {
             return Vec::new();
         }
         let runs = self.runs.iter().zip(&self.ranges);
