@@ -174,7 +174,8 @@ impl Search<'_> {
         let extent = self.cells.extent(largest(&all)?.shape);
         let samples = subset.samples_on_the_plate(bench);
         let (course, extent, tried) = closely(&sharp, &samples, self.scale, extent)?;
-        Some((course, extent, all.len() + tried))
+        // As many near every mark of the first look could have been the strongest.
+        Some((course, extent, all.len() * tried))
     }
 
     /// A mark that sits here.
