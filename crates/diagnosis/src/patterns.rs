@@ -1,5 +1,5 @@
 //! A gain that some runs share and the others lack (one run, two of them, the runs of a stretch of the day, every second, third or fourth
-//! one), gains that go up and down in the course of the day, and gains of all runs under one load.
+//! one), gains that jump and go back or go up and down in the course of the day, and gains of all runs under one load.
 //!
 //! A weight that was forgotten, a clamp that was changed or a room that cools looks like scatter between runs. Scatter knows no order, so
 //! each such question is answered by Student's t of the runs' gains (the scatter is integrated over), and the questions pay for one another
@@ -20,6 +20,8 @@ const FEWEST_RUNS: usize = 5;
 const LONGEST_PERIOD: usize = 4;
 /// Cosines of the day's course.
 const COSINES: usize = 4;
+/// Times in which a jump of the gain goes back, as shares of the day.
+const RELAXATIONS: [f64; 3] = [0.1, 0.2, 0.4];
 /// Runs for each cosine that a course needs at least.
 const RUNS_A_COSINE: usize = 3;
 
@@ -113,7 +115,10 @@ fn questions(began: &[f64], levels: &[usize]) -> Vec<Question> {
     let shared = |runs: Vec<usize>| {
         DMatrix::from_fn(count, 1, |run, _| f64::from(u8::from(runs.contains(&run))))
     };
-    let sets = sets.into_iter().map(shared).collect();
+    let mut sets: Vec<DMatrix<f64>> = sets.into_iter().map(shared).collect();
+    if ordered {
+        sets.extend(jumps(began));
+    }
     priced(sets).chain(priced(families)).collect()
 }
 
@@ -149,6 +154,23 @@ fn sets_of_the_day(order: &[usize]) -> Vec<Vec<usize>> {
         );
     }
     sets
+}
+
+/// Gains that jump before a run and go back by the clock, exp(-(t - t_j) / tau) of the runs that begin at t >= t_j: a door that is opened.
+fn jumps(began: &[f64]) -> Vec<DMatrix<f64>> {
+    let (first, last) = (began.iter()).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &t| {
+        (a.min(t), b.max(t))
+    });
+    let after = |from: f64, tau: f64| {
+        DMatrix::from_fn(began.len(), 1, |run, _| match began[run] - from {
+            since if since >= 0.0 => (-since / tau).exp(),
+            _ => 0.0,
+        })
+    };
+    let later = began.iter().filter(|&&t| t > first);
+    later
+        .flat_map(|&from| RELAXATIONS.map(|share| after(from, share * (last - first))))
+        .collect()
 }
 
 /// The first cosines over the runs in their order, cos(pi j (i + 1/2) / n).
@@ -215,6 +237,18 @@ mod tests {
             }
             assert!(seen >= 18, "{set:?}: {seen} of 20");
         }
+    }
+
+    /// A door that is opened before the sixth run, over a third of the day.
+    #[test]
+    fn a_jump_that_goes_back_is_seen() {
+        let mut rng = ChaCha8Rng::seed_from_u64(14);
+        let door = |k: usize| match k.checked_sub(5) {
+            Some(since) => 12.0 * (-(since as f64) / 3.7).exp(),
+            None => 0.0,
+        };
+        let seen = (0..20).filter(|_| found(door, true, &mut rng).1 < -6.0);
+        assert!(seen.count() >= 18);
     }
 
     /// A room that cools and is heated again; a load law that changes in the middle of the day.
