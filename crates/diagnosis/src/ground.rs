@@ -132,6 +132,23 @@ impl Ground {
         }
     }
 
+    /// The same questions in the coordinates of a few projected columns F = Q R, which the gains of the runs lie among: for effects F c, whose
+    /// columns there are R c. With it R.
+    pub(crate) fn narrowed(&self, free: &DMatrix<f64>) -> (Self, DMatrix<f64>) {
+        let qr = free.clone().qr();
+        let (q, r) = (qr.q(), qr.r());
+        let narrow = Self {
+            basis: DMatrix::zeros(q.ncols(), 0),
+            y: q.tr_mul(&self.y),
+            gains: q.tr_mul(&self.gains),
+            lambda: self.lambda.clone(),
+            turned: self.turned.clone(),
+            scatters: self.scatters.clone(),
+            repeats: self.repeats.clone(),
+        };
+        (narrow, r)
+    }
+
     /// Degrees of freedom from which the scatter between runs is estimated.
     pub(crate) fn scatter_freedom(&self) -> usize {
         self.lambda.len()

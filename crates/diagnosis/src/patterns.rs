@@ -11,7 +11,7 @@ use nalgebra::DMatrix;
 
 use crate::answer::Place;
 use crate::general::{Lack, MOST_RUNS};
-use crate::ground::{Ground, Score};
+use crate::ground::{ABSORBED, Ground, Score};
 use crate::samples::Samples;
 
 /// With fewer runs a gain of some is not told from scatter.
@@ -82,9 +82,18 @@ fn strongest(
     white_gains: &DMatrix<f64>,
     questions: Vec<Question>,
 ) -> Option<(Question, Score)> {
+    // All questions lie in the span of the gains: they are answered there.
+    let (narrow, root) = ground.narrowed(&ground.project(white_gains));
+    let full = white_gains.tr_mul(white_gains);
     let scored = questions.into_iter().filter_map(|question| {
-        let columns = white_gains * &question.gains;
-        let score = ground.score(&ground.direction(&columns)?);
+        let mut columns = &root * &question.gains;
+        for (mut free, gains) in columns.column_iter_mut().zip(question.gains.column_iter()) {
+            // What the model absorbs is no question.
+            if free.norm() <= ABSORBED * gains.dot(&(&full * gains)).sqrt() {
+                free.fill(0.0);
+            }
+        }
+        let score = narrow.score(&narrow.direction(&columns)?);
         Some((question, score))
     });
     let log_p = |(question, score): &(Question, Score)| score.log_p + question.price;
