@@ -10,7 +10,7 @@ use rig::{Cause, Experiment, Model, Requirement, Station};
 use rigs::{BRISTLE, LUGRE, rich};
 
 /// Ids, stations and reported parameters, as other programs know them.
-const VOCABULARY: [(&str, &str, &[&str]); 56] = [
+const VOCABULARY: [(&str, &str, &[&str]); 58] = [
     (
         "stage-ripple",
         "stage",
@@ -187,6 +187,20 @@ const VOCABULARY: [(&str, &str, &[&str]); 56] = [
         "dwell-ageing",
         "history",
         &["per_decade", "fading_distance_m", "of_the_whole_curve"],
+    ),
+    (
+        "dwell-ageing",
+        "history",
+        &["per_decade", "decades_before_first_run"],
+    ),
+    (
+        "dwell-ageing",
+        "history",
+        &[
+            "per_decade",
+            "fading_distance_m",
+            "decades_before_first_run",
+        ],
     ),
     ("backlash", "coupling", &["gap_m"]),
     ("backlash", "coupling", &["gap_m", "carried_between_runs"]),
@@ -568,4 +582,44 @@ fn requirements_are_named_where_they_are_missing() {
     );
     assert_eq!(lack("backlash"), Some(Requirement::Reversals));
     assert_eq!(lack("sensor-lag"), None);
+}
+
+/// How long the specimen had rested before the first run moves that run's force, and no other's.
+#[test]
+fn a_free_first_rest_is_that_of_the_first_run() {
+    let mut campaign = rich(200);
+    for (run, start) in campaign
+        .runs
+        .iter_mut()
+        .zip((0..).map(|k| 60.0 * f64::from(k)))
+    {
+        run.started_s = Some(start);
+    }
+    let experiment = Experiment::new(&campaign).expect("moves");
+    let free = |name: &str| {
+        let mut forms = catalogue().into_iter();
+        let form = forms.find(|c| c.parameters().iter().any(|p| p.name == name));
+        Model::new(
+            LawKind::Lugre,
+            vec![form.expect("in the catalogue")],
+            &experiment,
+        )
+        .expect("model")
+    };
+    let model = free("decades_before_first_run");
+    let law: Vec<f64> = (LawKind::Lugre.parameters().iter())
+        .map(|p| p.typical)
+        .collect();
+    let forces = |decades: f64| {
+        let mut p = law.clone();
+        p.extend([0.3, decades]);
+        model.predict(&experiment, &p)
+    };
+    let (fresh, rested) = (forces(0.0), forces(4.0));
+    let first = experiment.runs[0].len();
+    let apart = |range: std::ops::Range<usize>| {
+        range.fold(0.0_f64, |most, i| most.max((fresh[i] - rested[i]).abs()))
+    };
+    assert!(apart(0..first) > 1e-3);
+    assert_eq!(apart(first..fresh.len()), 0.0);
 }

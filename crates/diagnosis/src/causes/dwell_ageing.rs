@@ -1,6 +1,6 @@
 //! The static level grows with rest: s (1 + b log10(rest/1 s)) for rests above 1 s, b per decade. The rest is that before the
 //! run; a stand of the stage inside a run counts from its end on (in one form it does not). What came before the first run is not recorded: it is
-//! taken as the median of the other rests. What was gained lasts for the motion, or is lost where the motion turns, or sliding wears it
+//! taken as the median of the other rests, or is free. What was gained lasts for the motion, or is lost where the motion turns, or sliding wears it
 //! off: then b fades as exp(-x/d), x the distance slid since the stand (m), d a distance (m). A contact that has itself grown with rest
 //! has a higher kinetic level too, until sliding has worn it off.
 
@@ -20,6 +20,11 @@ fn rest_before(at: Place<'_>) -> f64 {
 
 fn median_rest(at: Place<'_>) -> f64 {
     let mut rests: Vec<f64> = at.experiment.runs.iter().filter_map(|run| run.rest_s).collect();
+    median(&mut rests)
+}
+
+/// The median of rests, s; 1 s where there are none.
+fn median(rests: &mut [f64]) -> f64 {
     rests.sort_by(f64::total_cmp);
     rests.get(rests.len() / 2).copied().unwrap_or(1.0)
 }
@@ -28,9 +33,9 @@ fn median_rest(at: Place<'_>) -> f64 {
 #[derive(Clone, Copy, Debug)]
 pub struct DwellAgeing;
 
-const PARAMETERS: &[ParameterSpec] = &[
-    ParameterSpec::new("per_decade", "1", "growth of the static level per decade of rest", -0.9, 10.0, 0.05).with_null(0.0),
-];
+const PER_DECADE: ParameterSpec =
+    ParameterSpec::new("per_decade", "1", "growth of the static level per decade of rest", -0.9, 10.0, 0.05).with_null(0.0);
+const PARAMETERS: &[ParameterSpec] = &[PER_DECADE];
 
 impl Cause for DwellAgeing {
     fn id(&self) -> &'static str {
@@ -138,10 +143,11 @@ fn turned(at: Place<'_>) -> Vec<bool> {
 #[derive(Clone, Copy, Debug)]
 pub struct FadingAgeing;
 
-const FADING: &[ParameterSpec] = &[
-    ParameterSpec::new("per_decade", "1", "growth of the static level per decade of rest, before sliding", -0.9, 10.0, 0.05).with_null(0.0),
-    ParameterSpec::new("fading_distance_m", "m", "sliding that leaves 1/e of the growth", 1e-9, 1e9, 1e-2),
-];
+const FADING_PER_DECADE: ParameterSpec =
+    ParameterSpec::new("per_decade", "1", "growth of the static level per decade of rest, before sliding", -0.9, 10.0, 0.05).with_null(0.0);
+const FADING_DISTANCE: ParameterSpec =
+    ParameterSpec::new("fading_distance_m", "m", "sliding that leaves 1/e of the growth", 1e-9, 1e9, 1e-2);
+const FADING: &[ParameterSpec] = &[FADING_PER_DECADE, FADING_DISTANCE];
 
 /// Distances over which growth fades, as shares of the longest run, and how many of them the scan looks at.
 const FADES: (f64, f64) = (0.01, 0.3);
@@ -195,6 +201,76 @@ impl Cause for FadingAgeing {
         let rate = p[1].recip();
         for (gain, since) in gain.iter_mut().zip(last_stand(at)) {
             *gain *= p[0] * (-(rate * since.slid_m)).exp() * since.rest_s.max(1.0).log10() + 1.0;
+        }
+    }
+}
+
+/// Decades of rest above 1 s before the first run, where they are free.
+const FIRST: ParameterSpec =
+    ParameterSpec::new("decades_before_first_run", "1", "decades of rest above 1 s before the first run", 0.0, 8.0, 1.0);
+
+/// Decades of rest before each sample's motion, those before the first run free.
+fn decades<D: Scalar>(at: Place<'_>, since: &SinceStand, first: D) -> D {
+    if since.before_run && at.run.rest_s.is_none() {
+        first
+    } else {
+        D::constant(since.rest_s.max(1.0).log10())
+    }
+}
+
+/// The same bounds with the median of the other rests as the first run's.
+fn with_first(mut specs: Vec<ParameterSpec>, experiment: &Experiment) -> Vec<ParameterSpec> {
+    let mut rests: Vec<f64> = experiment.runs.iter().filter_map(|run| run.rest_s).collect();
+    let typical = median(&mut rests).max(1.0).log10();
+    specs.push(grids::bounded(&FIRST, FIRST.lower, FIRST.upper, typical));
+    specs
+}
+
+/// What was gained lasts for the motion; nobody knows how long the specimen had rested before the first run.
+#[derive(Clone, Copy, Debug)]
+pub struct FreshAgeing;
+
+impl Cause for FreshAgeing {
+    marker::refining_form!(DwellAgeing, "the rest before the first run free", [PER_DECADE, FIRST]);
+
+    fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
+        with_first(DwellAgeing.parameters_for(experiment), experiment)
+    }
+
+    fn applies_to(&self, law: LawKind) -> bool {
+        DwellAgeing.applies_to(law)
+    }
+
+    fn rest_gain<D: Scalar>(&self, p: &[D], at: Place<'_>, gain: &mut [D]) {
+        for (gain, since) in gain.iter_mut().zip(last_stand(at)) {
+            *gain *= p[0] * decades(at, &since, p[1]) + 1.0;
+        }
+    }
+}
+
+/// Sliding wears off what was gained; nobody knows how long the specimen had rested before the first run.
+#[derive(Clone, Copy, Debug)]
+pub struct FreshFadingAgeing;
+
+impl Cause for FreshFadingAgeing {
+    marker::refining_form!(
+        FadingAgeing,
+        "worn off by sliding, the rest before the first run free",
+        [FADING_PER_DECADE, FADING_DISTANCE, FIRST]
+    );
+
+    fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
+        with_first(FadingAgeing.parameters_for(experiment), experiment)
+    }
+
+    fn applies_to(&self, law: LawKind) -> bool {
+        FadingAgeing.applies_to(law)
+    }
+
+    fn rest_gain<D: Scalar>(&self, p: &[D], at: Place<'_>, gain: &mut [D]) {
+        let rate = p[1].recip();
+        for (gain, since) in gain.iter_mut().zip(last_stand(at)) {
+            *gain *= p[0] * (-(rate * since.slid_m)).exp() * decades(at, &since, p[2]) + 1.0;
         }
     }
 }
@@ -265,6 +341,8 @@ impl Cause for GrownContact {
 struct SinceStand {
     rest_s: f64,
     slid_m: f64,
+    /// Whether it is the rest before the run.
+    before_run: bool,
 }
 
 /// The last stand before the middle of each sample's step to the next one, which belongs to the motion after the stand.
@@ -273,6 +351,7 @@ fn last_stand(at: Place<'_>) -> Vec<SinceStand> {
     let mut rest = rest_before(at);
     let mut standing_since = None;
     let mut left_at = 0.0;
+    let mut before_run = true;
     (0..time.len())
         .map(|i| {
             if speed[i] == 0.0 {
@@ -281,12 +360,13 @@ fn last_stand(at: Place<'_>) -> Vec<SinceStand> {
                 // a single sample of rest is a start or a reversal, not a stand
                 let stood = time[i - 1] - since;
                 if stood > 0.0 {
-                    rest = stood + if since == time[0] { rest } else { 0.0 };
+                    before_run = since == time[0];
+                    rest = stood + if before_run { rest } else { 0.0 };
                     left_at = slid[i - 1];
                 }
             }
             let middle = 0.5 * (slid[i] + slid[(i + 1).min(slid.len() - 1)]);
-            SinceStand { rest_s: rest, slid_m: middle - left_at }
+            SinceStand { rest_s: rest, slid_m: middle - left_at, before_run }
         })
         .collect()
 }

@@ -44,7 +44,7 @@ catalogue! {
     clock_offset::ClockOffset;
     direction_asymmetry::DirectionAsymmetry, JumpingAsymmetry;
     frictional_memory::MemoryInTime, MemoryInDistance, MagnitudeInTime, MagnitudeInDistance;
-    dwell_ageing::DwellAgeing, AgeingBetweenRuns, TurnedAgeing, FadingAgeing, GrownContact;
+    dwell_ageing::DwellAgeing, AgeingBetweenRuns, TurnedAgeing, FadingAgeing, GrownContact, FreshAgeing, FreshFadingAgeing;
     backlash::Backlash, CarriedBacklash, SoftBacklash;
     velocity_lag::VelocityLag, SecondOrderVelocityLag;
     load_crosstalk::LoadCrosstalk;
