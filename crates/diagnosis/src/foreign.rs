@@ -106,18 +106,7 @@ impl Foreign {
 
     /// Where they are: all of their time.
     pub(crate) fn place(&self, bench: &Bench<'_>, subset: &Subset) -> Place {
-        let samples = subset.samples(bench);
         let names = bench.run_names(subset);
-        let ends = self
-            .runs
-            .iter()
-            .map(|&k| samples.time[samples.runs[k].end - 1]);
-        Place {
-            axis: "time".into(),
-            from: 0.0,
-            to: ends.fold(0.0, f64::max),
-            unit: "s".into(),
-            runs: self.runs.iter().map(|&k| names[k].clone()).collect(),
-        }
+        subset.samples(bench).place_of_runs(&self.runs, &names)
     }
 }

@@ -9,7 +9,6 @@ use std::f64::consts::PI;
 
 use nalgebra::DMatrix;
 
-use crate::answer::Place;
 use crate::general::{Lack, MOST_RUNS};
 use crate::ground::{ABSORBED, Ground, Score};
 use crate::samples::Samples;
@@ -41,19 +40,9 @@ pub(crate) fn patterns(
     let Some((question, score)) = strongest(ground, white_gains, questions) else {
         return Lack::nothing();
     };
-    let runs = question.runs();
-    let ends = runs
-        .iter()
-        .map(|&run| samples.time[samples.runs[run].end - 1]);
     Lack {
         log_p: (score.log_p + question.price).min(0.0),
-        place: Some(Place {
-            axis: "time".into(),
-            from: 0.0,
-            to: ends.fold(0.0, f64::max),
-            unit: "s".into(),
-            runs: runs.iter().map(|&run| names[run].clone()).collect(),
-        }),
+        place: Some(samples.place_of_runs(&question.runs(), names)),
         excess: (score.statistic - 1.0).max(0.0),
     }
 }

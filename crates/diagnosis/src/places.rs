@@ -127,7 +127,7 @@ pub(crate) fn closely(
 pub(crate) struct Cells {
     lo: f64,
     width: f64,
-    pub(crate) count: usize,
+    count: usize,
     /// The cell of each sample; what lies beyond the last whole one belongs to it.
     of_sample: Vec<usize>,
     /// Cells that the shortest mark, the next and the longest are wide.

@@ -5,6 +5,8 @@ use std::ops::Range;
 use campaign::{Campaign, Direction};
 use fitting::noise::Averaged;
 
+use crate::answer::Place;
+
 /// Loads closer than this share of the larger are one.
 const SAME_LOAD: f64 = 0.05;
 
@@ -48,6 +50,18 @@ pub(crate) struct Samples {
 }
 
 impl Samples {
+    /// Some runs as a place: all of their time. `names`: of every run.
+    pub(crate) fn place_of_runs(&self, runs: &[usize], names: &[String]) -> Place {
+        let ends = runs.iter().map(|&run| self.time[self.runs[run].end - 1]);
+        Place {
+            axis: "time".into(),
+            from: 0.0,
+            to: ends.fold(0.0, f64::max),
+            unit: "s".into(),
+            runs: runs.iter().map(|&run| names[run].clone()).collect(),
+        }
+    }
+
     /// The loads, by the mean of each run.
     pub(crate) fn load_levels(&self) -> Levels {
         let mean =

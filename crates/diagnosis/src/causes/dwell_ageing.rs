@@ -15,16 +15,12 @@ const DESCRIPTION: &str = "Static friction grows with the time of rest.";
 
 /// Rest before a run, s.
 fn rest_before(at: Place<'_>) -> f64 {
-    at.run.rest_s.unwrap_or_else(|| median_rest(at))
+    at.run.rest_s.unwrap_or_else(|| median_rest(at.experiment))
 }
 
-fn median_rest(at: Place<'_>) -> f64 {
-    let mut rests: Vec<f64> = at.experiment.runs.iter().filter_map(|run| run.rest_s).collect();
-    median(&mut rests)
-}
-
-/// The median of rests, s; 1 s where there are none.
-fn median(rests: &mut [f64]) -> f64 {
+/// The median of the rests that are recorded, s; 1 s where there are none.
+fn median_rest(experiment: &Experiment) -> f64 {
+    let mut rests: Vec<f64> = experiment.runs.iter().filter_map(|run| run.rest_s).collect();
     rests.sort_by(f64::total_cmp);
     rests.get(rests.len() / 2).copied().unwrap_or(1.0)
 }
@@ -220,8 +216,7 @@ fn decades<D: Scalar>(at: Place<'_>, since: &SinceStand, first: D) -> D {
 
 /// The same bounds with the median of the other rests as the first run's.
 fn with_first(mut specs: Vec<ParameterSpec>, experiment: &Experiment) -> Vec<ParameterSpec> {
-    let mut rests: Vec<f64> = experiment.runs.iter().filter_map(|run| run.rest_s).collect();
-    let typical = median(&mut rests).max(1.0).log10();
+    let typical = median_rest(experiment).max(1.0).log10();
     specs.push(grids::bounded(&FIRST, FIRST.lower, FIRST.upper, typical));
     specs
 }
