@@ -10,7 +10,7 @@ use rig::{Cause, Experiment, Model, Requirement, Station};
 use rigs::{BRISTLE, LUGRE, rich};
 
 /// Ids, stations and reported parameters, as other programs know them.
-const VOCABULARY: [(&str, &str, &[&str]); 58] = [
+const VOCABULARY: [(&str, &str, &[&str]); 60] = [
     (
         "stage-ripple",
         "stage",
@@ -170,6 +170,16 @@ const VOCABULARY: [(&str, &str, &[&str]); 58] = [
         "frictional-memory",
         "law",
         &["distance_m", "of_the_magnitude"],
+    ),
+    (
+        "frictional-memory",
+        "law",
+        &["time_constant_s", "of_the_viscous_part"],
+    ),
+    (
+        "frictional-memory",
+        "law",
+        &["distance_m", "of_the_viscous_part"],
     ),
     ("dwell-ageing", "history", &["per_decade"]),
     ("dwell-ageing", "history", &["per_decade", "between_runs"]),
@@ -490,8 +500,12 @@ fn derivatives_at_the_null_are_one_sided_limits() {
                 error / slope.norm()
             };
             assert!(jacobian.column(j).norm() > 0.0, "{}", cause.id());
-            // play is linear only while it is crossed within one sample
-            let small = if cause.id() == "backlash" { 1e-4 } else { 1.0 };
+            // play is linear only while it is crossed within one sample, the viscous part only while it remembers less than one
+            let small = match cause.id() {
+                "backlash" => 1e-4,
+                _ if cause.moves_the_viscous_part() => 1e-2,
+                _ => 1.0,
+            };
             let (coarse, fine) = (difference(1e-2 * small), difference(1e-3 * small));
             assert!(
                 fine < 1e-6 || fine < 0.4 * coarse,

@@ -20,6 +20,7 @@ fn coefficients<D: Scalar>(
         time_s: time,
         velocity,
         curve_speed: None,
+        viscous_speed: None,
         rest_gain: None,
         knots,
     };

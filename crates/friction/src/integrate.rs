@@ -23,6 +23,8 @@ pub struct Record<'a, D> {
     pub velocity: &'a [D],
     /// Speed at which the Stribeck curve is read, >= 0; `None`: abs(velocity).
     pub curve_speed: Option<&'a [D]>,
+    /// Signed speed that the viscous part follows, m/s; `None`: the slip speed.
+    pub viscous_speed: Option<&'a [D]>,
     /// Factor on the static level from each sample to the next; `None`: 1.
     pub rest_gain: Option<&'a [D]>,
     /// Indices of the knots, first and last sample included; between them velocity (and curve speed) is linear.
@@ -41,12 +43,19 @@ impl<D: Scalar> Record<'_, D> {
         drive
     }
 
+    /// How much faster than the slip the speed is that the viscous part follows at sample `i`, m/s; `None` where it follows the slip.
+    #[inline]
+    pub fn viscous_lead(&self, i: usize) -> Option<D> {
+        self.viscous_speed.map(|speed| speed[i] - self.velocity[i])
+    }
+
     /// The record in numbers.
     pub fn real(&self) -> Reals<'_> {
         Reals {
             time_s: self.time_s,
             velocity: values(self.velocity),
             curve_speed: self.curve_speed.map(values),
+            viscous_speed: self.viscous_speed.map(values),
             rest_gain: self.rest_gain.map(values),
             knots: self.knots,
         }
@@ -63,6 +72,7 @@ pub struct Reals<'a> {
     time_s: &'a [f64],
     velocity: Vec<f64>,
     curve_speed: Option<Vec<f64>>,
+    viscous_speed: Option<Vec<f64>>,
     rest_gain: Option<Vec<f64>>,
     knots: &'a [usize],
 }
@@ -74,6 +84,7 @@ impl Reals<'_> {
             time_s: self.time_s,
             velocity: &self.velocity,
             curve_speed: self.curve_speed.as_deref(),
+            viscous_speed: self.viscous_speed.as_deref(),
             rest_gain: self.rest_gain.as_deref(),
             knots: self.knots,
         }
@@ -174,6 +185,7 @@ mod tests {
                 time_s: &time,
                 velocity: &velocity,
                 curve_speed: None,
+                viscous_speed: None,
                 rest_gain: None,
                 knots: &[0, 599],
             };
@@ -198,6 +210,7 @@ mod tests {
             time_s: &time,
             velocity: &velocity,
             curve_speed: None,
+            viscous_speed: None,
             rest_gain: None,
             knots: &knots,
         };

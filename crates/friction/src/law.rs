@@ -371,15 +371,37 @@ impl<D: Scalar> Law<D> {
     /// mu at every sample of a record whose states are known (E7).
     pub fn coefficients(&self, record: &Record<'_, D>, states: &[D]) -> Vec<D> {
         let samples = 0..states.len();
-        if D::NDERIV == 0 || !self.is_dynamic() {
-            return samples
-                .map(|i| self.coefficient(states[i], &record.drive(i)))
-                .collect();
-        }
-        let followed = Followed::new(self);
+        let with_lead = |i: usize, mu: D, drive: &Drive<D>| match record.viscous_lead(i) {
+            Some(lead) => mu + self.viscous_beyond(states[i], drive.sign, lead).0,
+            None => mu,
+        };
+        let followed = (D::NDERIV > 0 && self.is_dynamic()).then(|| Followed::new(self));
         samples
-            .map(|i| followed.coefficient(&states[i], &record.drive(i)))
+            .map(|i| {
+                let drive = record.drive(i);
+                let mu = match &followed {
+                    Some(followed) => followed.coefficient(&states[i], &drive),
+                    None => self.coefficient(states[i], &drive),
+                };
+                with_lead(i, mu, &drive)
+            })
             .collect()
+    }
+
+    /// What the coefficient gains where the viscous part follows a speed that is `lead` m/s faster than the slip, with its slope by the
+    /// state: sigma2 lead c(z)/h P (E7), P being c(z) or 1 by the place of the cosine; sigma2 lead for laws without lean.
+    pub fn viscous_beyond(&self, z: D, sign: f64, lead: D) -> (D, D) {
+        let plain = self.viscous_of(sign) * lead;
+        let Some(lean) = &self.lean else {
+            return (plain, D::constant(0.0));
+        };
+        let (sin, cos) = (z + lean.angle).sine_and_cosine();
+        let (c, c_z) = (cos * cos, sin * cos * -2.0);
+        let scaled = plain * (1.0 / lean.height);
+        match lean.placement {
+            CosinePlacement::AllTerms => (scaled * c * c, scaled * c * c_z * 2.0),
+            CosinePlacement::StiffnessOnly => (scaled * c, scaled * c_z),
+        }
     }
 
     /// (z', mu): both of [`Law::state_rate`] and [`Law::coefficient`] at the cost of one.

@@ -18,6 +18,7 @@ fn states<D: Scalar>(
         time_s: time,
         velocity,
         curve_speed: None,
+        viscous_speed: None,
         rest_gain: None,
         knots,
     };

@@ -29,6 +29,7 @@ fn coefficients(law: &Law<f64>, velocity: &[f64], initial: f64) -> Vec<f64> {
         time_s: &time,
         velocity,
         curve_speed: None,
+        viscous_speed: None,
         rest_gain: None,
         knots: &knots,
     };
@@ -112,6 +113,7 @@ fn steady_state_is_the_level_of_the_curve() {
             time_s: if v.abs() < 0.05 { &slow } else { &time },
             velocity: &velocity,
             curve_speed: None,
+            viscous_speed: None,
             rest_gain: None,
             knots: &knots,
         };

@@ -32,6 +32,7 @@ fn elastic_work(law: &Law<f64>, amplitudes: &[f64], initial: f64) -> (f64, f64, 
         time_s: &time,
         velocity: &velocity,
         curve_speed: None,
+        viscous_speed: None,
         rest_gain: None,
         knots: &knots,
     };

@@ -62,6 +62,7 @@ impl Integrator {
                 time_s,
                 velocity: velocity_m_s,
                 curve_speed: None,
+                viscous_speed: None,
                 rest_gain: None,
                 knots,
             };

@@ -59,6 +59,12 @@ impl<D: ChainScalar> Pass<'_, D> {
             .any(|(cause, &active)| active && cause.reach() == reach)
     }
 
+    /// Whether the viscous part follows the speed at which the curve is read.
+    fn moves_the_viscous_part(&self) -> bool {
+        (self.model.effects.iter().zip(&self.active))
+            .any(|(cause, &active)| active && cause.moves_the_viscous_part())
+    }
+
     /// What rest makes larger: the whole curve where one of the effects says so.
     fn aged(&self) -> Aged {
         let effects = self.model.effects.iter().zip(&self.active);
@@ -121,14 +127,20 @@ impl<D: ChainScalar> Pass<'_, D> {
         self.in_place(Reach::Stage, motion, &mut velocity, |velocity| {
             Hook::Stage { velocity }
         });
-        let curve_speed = self.acts(Reach::CurveSpeed).then(|| {
+        let remembered = self.acts(Reach::CurveSpeed).then(|| {
             let mut speed = velocity.clone();
             self.in_place(Reach::CurveSpeed, motion, &mut speed, |speed| {
                 Hook::CurveSpeed { speed }
             });
-            speed.iter_mut().for_each(|u| *u = u.magnitude());
             speed
         });
+        let viscous_speed = remembered
+            .as_ref()
+            .filter(|_| self.moves_the_viscous_part());
+        let viscous_speed =
+            viscous_speed.map(|speed| speed.iter().map(|&u| u * turn).collect::<Vec<D>>());
+        let curve_speed: Option<Vec<D>> =
+            remembered.map(|speed| speed.into_iter().map(|u| u.magnitude()).collect());
         let rest_gain = self.acts(Reach::RestGain).then(|| {
             law.curve.aged = self.aged();
             let mut gain = vec![D::constant(1.0); motion.len()];
@@ -150,6 +162,7 @@ impl<D: ChainScalar> Pass<'_, D> {
             time_s: &motion.time_s,
             velocity: &velocity,
             curve_speed: curve_speed.as_deref(),
+            viscous_speed: viscous_speed.as_deref(),
             rest_gain: rest_gain.as_deref(),
             knots,
         };

@@ -30,6 +30,7 @@ struct Walked {
     knots: Vec<usize>,
     velocity: Vec<f64>,
     curve_speed: Option<Vec<f64>>,
+    viscous_speed: Option<Vec<f64>>,
     rest_gain: Option<Vec<f64>>,
     path: Path,
     coefficients: Vec<f64>,
@@ -115,6 +116,7 @@ impl Walked {
             knots: record.knots.to_vec(),
             velocity: record.velocity.to_vec(),
             curve_speed: record.curve_speed.map(<[f64]>::to_vec),
+            viscous_speed: record.viscous_speed.map(<[f64]>::to_vec),
             rest_gain: record.rest_gain.map(<[f64]>::to_vec),
             path,
         })
@@ -126,6 +128,7 @@ impl Walked {
             && self.knots == record.knots
             && same(&self.velocity, record.velocity)
             && same_or_none(self.curve_speed.as_deref(), record.curve_speed)
+            && same_or_none(self.viscous_speed.as_deref(), record.viscous_speed)
             && same_or_none(self.rest_gain.as_deref(), record.rest_gain)
     }
 }
@@ -164,6 +167,7 @@ mod tests {
             time_s: &time,
             velocity,
             curve_speed,
+            viscous_speed: None,
             rest_gain: None,
             knots,
         };

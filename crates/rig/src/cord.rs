@@ -87,6 +87,8 @@ struct Stretch<D> {
     velocity: [D; 2],
     weight: [D; 2],
     curve: Option<[D; 2]>,
+    /// What the speed that the viscous part follows is ahead of the stage.
+    lead: Option<[D; 2]>,
     rest_gain: Option<D>,
 }
 
@@ -121,6 +123,7 @@ impl<D: Scalar> Stretch<D> {
             velocity: pair(&self.velocity),
             weight: pair(&self.weight),
             curve: self.curve.as_ref().map(pair),
+            lead: self.lead.as_ref().map(pair),
             rest_gain: self.rest_gain.map(|g| g.value()),
         }
     }
@@ -137,8 +140,14 @@ struct Instant {
 impl Instant {
     fn at(law: &Law<f64>, stretch: &Stretch<f64>, t: f64, y: &State<f64>) -> Self {
         let drive = stretch.drive(t, y[2]);
+        let mut evaluated = law.evaluate(y[0], &drive);
+        if let Some(lead) = &stretch.lead {
+            let (more, more_z) = law.viscous_beyond(y[0], drive.sign, stretch.line(lead, t));
+            evaluated.coefficient += more;
+            evaluated.coefficient_z += more_z;
+        }
         Self {
-            law: law.evaluate(y[0], &drive),
+            law: evaluated,
             weight: stretch.line(&stretch.weight, t),
             has_curve: stretch.curve.is_some(),
             sign: drive.sign,
@@ -319,6 +328,9 @@ pub(crate) fn tension<D: Scalar>(held: &Corded<'_, D>) -> Result<Vec<D>, Integra
             velocity: [record.velocity[a], record.velocity[b]],
             weight: [weight(a), weight(b)],
             curve: record.curve_speed.map(|u| [u[a], u[b]]),
+            lead: (record.viscous_lead(a))
+                .zip(record.viscous_lead(b))
+                .map(|(a, b)| [a, b]),
             rest_gain: record.rest_gain.map(|g| g[a]),
         };
         y = solver.stretch(&stretch, y, &record.time_s[a + 1..=b], &mut out)?;
@@ -564,7 +576,13 @@ impl<D: Scalar> Solver<'_, D> {
         let forces: [[D; 2]; 3] = std::array::from_fn(|i| {
             let at = t + C[i] * h;
             let drive = stretch.drive(at, lifted[i][2]);
-            let (rate, mu) = self.followed.rate_and_coefficient(&lifted[i][0], &drive);
+            let (rate, mut mu) = self.followed.rate_and_coefficient(&lifted[i][0], &drive);
+            if let Some(lead) = &stretch.lead {
+                let lead = stretch.line(lead, at);
+                mu += (self.held.law)
+                    .viscous_beyond(lifted[i][0], drive.sign, lead)
+                    .0;
+            }
             [rate, stretch.line(&stretch.weight, at) * mu]
         });
         let r = residual(&self.held.coupling, h, y, &lifted, &forces);

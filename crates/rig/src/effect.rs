@@ -338,6 +338,11 @@ pub trait Cause: Hooks {
     {
     }
 
+    /// [`Reach::CurveSpeed`]: whether the viscous part of friction follows that speed too.
+    fn moves_the_viscous_part(&self) -> bool {
+        false
+    }
+
     /// [`Reach::RestGain`]: what of the Stribeck curve the gain multiplies.
     fn aged(&self) -> Aged {
         Aged::StaticLevel

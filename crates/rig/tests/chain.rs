@@ -14,6 +14,7 @@ fn coefficients(kind: LawKind, p: &[f64], t: &[f64], v: &[f64], initial: f64) ->
         time_s: t,
         velocity: v,
         curve_speed: None,
+        viscous_speed: None,
         rest_gain: None,
         knots: &knots,
     };

@@ -5,7 +5,7 @@
 //! history x load) -> cord tension -> sensor (filter, offsets). All of it is one system of ordinary differential
 //! equations.
 
-use crate::effect::{Ageing, Clock, Course, Effect, Filter, Settling};
+use crate::effect::{Ageing, Clock, Course, Effect, Filter, Remembers, Settling};
 use crate::integrator::Dynamics;
 use crate::law::{Law, Surroundings};
 use crate::machine::{Rig, STANDARD_GRAVITY_M_S2};
@@ -181,6 +181,8 @@ impl Contact<'_> {
     fn surroundings(&self, time_s: f64, state: &[f64]) -> Surroundings {
         let slid_m = state[1];
         let remembered = self.layout.memory.map(|place| state[place]);
+        // A specimen that was turned round meets the plate the other way.
+        let turn = if self.plan.specimen_turned { -1.0 } else { 1.0 };
         let bend = self.layout.bend.map(|(place, _)| state[place]);
         let mut around = Surroundings {
             remembered_speed: remembered,
@@ -193,6 +195,10 @@ impl Contact<'_> {
                     around.exponent_minus_2 += exponent_minus_2
                 }
                 Effect::LeanAngle { angle_rad } => around.lean_rad += angle_rad,
+                Effect::FrictionalMemory {
+                    remembers: Remembers::ViscousToo,
+                    ..
+                } => around.viscous_speed = remembered.map(|speed| turn * speed),
                 Effect::DirectionAsymmetry {
                     coulomb_ratio_minus_1,
                     viscous_ratio_minus_1,
@@ -426,13 +432,12 @@ impl Contact<'_> {
             if let Effect::FrictionalMemory {
                 time_constant_s,
                 distance_m,
-                of_magnitude,
+                remembers,
             } = effect
             {
-                let speed = if *of_magnitude {
-                    slip_speed.abs()
-                } else {
-                    slip_speed
+                let speed = match remembers {
+                    Remembers::Magnitude => slip_speed.abs(),
+                    Remembers::Curve | Remembers::ViscousToo => slip_speed,
                 };
                 if let Some(tau) = time_constant_s {
                     return (speed - remembered) / tau;

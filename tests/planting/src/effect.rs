@@ -77,6 +77,18 @@ pub enum Ageing {
     Grown(f64),
 }
 
+/// What of friction has a memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Remembers {
+    /// The Stribeck curve.
+    Curve,
+    /// The Stribeck curve, of the speed's magnitude.
+    Magnitude,
+    /// The curve and the viscous part.
+    ViscousToo,
+}
+
 /// Which filter a channel has.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -175,11 +187,11 @@ pub enum Effect {
         viscous_ratio_minus_1: f64,
         jumps: bool,
     },
-    /// The Stribeck curve sees the speed of a while ago (time) or of a distance ago; `of_magnitude`: its magnitude.
+    /// Friction sees the speed of a while ago (time) or of a distance ago.
     FrictionalMemory {
         time_constant_s: Option<f64>,
         distance_m: Option<f64>,
-        of_magnitude: bool,
+        remembers: Remembers,
     },
     /// The level at rest grows with the logarithm of the rest before the run.
     DwellAgeing { per_decade: f64, ends: Ageing },

@@ -74,6 +74,8 @@ pub struct Surroundings {
     pub exponent_minus_2: f64,
     /// Speed that the Stribeck curve sees, if it is not the slip speed.
     pub remembered_speed: Option<f64>,
+    /// Speed that the viscous part sees, if it is not the slip speed.
+    pub viscous_speed: Option<f64>,
     /// Factors on Coulomb and viscous parts while sliding in reverse (forward they are one).
     pub reverse_factors: (f64, f64),
     /// The first of them is one on the bristles' force, which jumps where the motion turns, instead of one on the level.
@@ -88,6 +90,7 @@ impl Surroundings {
         grown_factor: 1.0,
         exponent_minus_2: 0.0,
         remembered_speed: None,
+        viscous_speed: None,
         reverse_factors: (1.0, 1.0),
         jumps: false,
     };
@@ -150,6 +153,7 @@ impl Law {
             false => (around.grown_factor * coulomb_factor, 1.0),
         };
         let seen = around.remembered_speed.unwrap_or(v);
+        let dragged = around.viscous_speed.unwrap_or(v);
         match self {
             Self::AsymmetricBristle(b) => {
                 // w = (v/h) cos^2(theta + theta0)                                   (E4)
@@ -164,11 +168,12 @@ impl Law {
                             * stribeck(seen / b.height_m * cos2 / b.w_sc, around.exponent_minus_2));
                 // theta' = w - sigma |w| theta / g                                  (E3)
                 let rate = w - b.sigma * w.abs() * z / g;
+                let dragged = dragged / b.height_m * cos2;
                 // mu = (sigma0 theta + sigma1 theta' + sigma2 w) cos^2              (E7)
                 (
                     rate,
                     (force_factor * (b.sigma0 * z + b.sigma1 * rate)
-                        + viscous_factor * b.sigma2 * w)
+                        + viscous_factor * b.sigma2 * dragged)
                         * cos2,
                 )
             }
@@ -179,7 +184,7 @@ impl Law {
                 (
                     rate,
                     force_factor * (d.stiffness * z + d.damping * rate)
-                        + viscous_factor * d.viscous * v,
+                        + viscous_factor * d.viscous * dragged,
                 )
             }
             Self::Dahl(d) => {
@@ -189,11 +194,11 @@ impl Law {
             }
             Self::Stribeck(d) => {
                 let level = level_factor * d.level(seen, around);
-                (0.0, sign(v) * level + viscous_factor * d.viscous * v)
+                (0.0, sign(v) * level + viscous_factor * d.viscous * dragged)
             }
             Self::CoulombViscous(d) => (
                 0.0,
-                sign(v) * level_factor * d.coulomb + viscous_factor * d.viscous * v,
+                sign(v) * level_factor * d.coulomb + viscous_factor * d.viscous * dragged,
             ),
         }
     }

@@ -4,7 +4,7 @@
 //! day, the sampling and the electronics. The integration is far finer than the record.
 
 use crate::contact::{Contact, History, Layout, Rocking};
-use crate::effect::{Effect, Settling};
+use crate::effect::{Effect, Remembers, Settling};
 use crate::integrator::Integrator;
 use crate::law::Law;
 use crate::motion::Play;
@@ -295,7 +295,7 @@ fn integrate(contact: &mut Contact<'_>, plan: &Plan, history: &mut History) -> R
             matches!(
                 effect,
                 Effect::FrictionalMemory {
-                    of_magnitude: true,
+                    remembers: Remembers::Magnitude,
                     ..
                 }
             )

@@ -1,7 +1,7 @@
 //! Draws an effect of a named kind: its size as a multiple of a physically plausible one, its other parameters
 //! (periods, phases, time constants) at random within what such rigs show.
 
-use crate::effect::{Ageing, Clock, Course, Effect, Filter, Settling, Wave};
+use crate::effect::{Ageing, Clock, Course, Effect, Filter, Remembers, Settling, Wave};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
@@ -219,13 +219,17 @@ pub fn draw(
                 Effect::FrictionalMemory {
                     time_constant_s: None,
                     distance_m: Some(0.5 * size * scales.build_up_m),
-                    of_magnitude: sign > 0.0,
+                    remembers: match (sign > 0.0, share < 0.5) {
+                        (true, _) => Remembers::Magnitude,
+                        (false, true) => Remembers::ViscousToo,
+                        (false, false) => Remembers::Curve,
+                    },
                 }
             } else {
                 Effect::FrictionalMemory {
                     time_constant_s: Some(0.2 * size),
                     distance_m: None,
-                    of_magnitude: false,
+                    remembers: Remembers::Curve,
                 }
             }
         }

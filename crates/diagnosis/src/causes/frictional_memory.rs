@@ -1,6 +1,7 @@
 //! Friction follows speed with a memory: the Stribeck curve is read at a speed u that lags behind v, in time,
 //! tau u' = v - u, or in distance slid, D du/ds = v - u. u starts at v. Or it is the magnitude |v| that is remembered: through a
-//! reversal the curve is then read at low speeds, not at zero.
+//! reversal the curve is then read at low speeds, not at zero. Or the viscous part follows u as well, sigma2 u in the place of sigma2 v:
+//! friction as a whole then comes after the speed.
 
 use friction::{LawKind, ParameterSpec, Scalar};
 use rig::signal::lag_step;
@@ -156,5 +157,40 @@ impl Cause for MagnitudeInDistance {
     fn curve_speed<D: Scalar>(&self, p: &[D], at: Place<'_>, speed: &mut [D]) {
         magnitudes(speed);
         lag_along(&at.run.distance_m, speed, p[0]);
+    }
+}
+
+/// Beside the memory, what tells that of the viscous part in a file.
+const OF_THE_VISCOUS_PART: &str = "of_the_viscous_part";
+
+/// Memory of the curve and of the viscous part, of a time constant.
+#[derive(Clone, Copy, Debug)]
+pub struct ViscousMemoryInTime;
+
+impl Cause for ViscousMemoryInTime {
+    marker::marked_form!(MemoryInTime, "viscous too, time", OF_THE_VISCOUS_PART);
+
+    fn curve_speed<D: Scalar>(&self, p: &[D], at: Place<'_>, speed: &mut [D]) {
+        MemoryInTime.curve_speed(p, at, speed);
+    }
+
+    fn moves_the_viscous_part(&self) -> bool {
+        true
+    }
+}
+
+/// Memory of the curve and of the viscous part, of a distance.
+#[derive(Clone, Copy, Debug)]
+pub struct ViscousMemoryInDistance;
+
+impl Cause for ViscousMemoryInDistance {
+    marker::marked_form!(MemoryInDistance, "viscous too, distance", OF_THE_VISCOUS_PART);
+
+    fn curve_speed<D: Scalar>(&self, p: &[D], at: Place<'_>, speed: &mut [D]) {
+        MemoryInDistance.curve_speed(p, at, speed);
+    }
+
+    fn moves_the_viscous_part(&self) -> bool {
+        true
     }
 }

@@ -43,7 +43,7 @@ catalogue! {
     force_resolution::ForceResolution;
     clock_offset::ClockOffset;
     direction_asymmetry::DirectionAsymmetry, JumpingAsymmetry;
-    frictional_memory::MemoryInTime, MemoryInDistance, MagnitudeInTime, MagnitudeInDistance;
+    frictional_memory::MemoryInTime, MemoryInDistance, MagnitudeInTime, MagnitudeInDistance, ViscousMemoryInTime, ViscousMemoryInDistance;
     dwell_ageing::DwellAgeing, AgeingBetweenRuns, TurnedAgeing, FadingAgeing, GrownContact, FreshAgeing, FreshFadingAgeing;
     backlash::Backlash, CarriedBacklash, SoftBacklash;
     velocity_lag::VelocityLag, SecondOrderVelocityLag;
