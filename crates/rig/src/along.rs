@@ -9,9 +9,9 @@
 //!
 //! exact at both ends, and in between to the second order of what moves. On a cord the law stands still at the run's mean share.
 
-use friction::{IntegrationError, Law, Record};
+use friction::{IntegrationError, Law};
 
-use crate::chain::Pass;
+use crate::chain::{Contact, Pass};
 use crate::refined::between;
 use crate::{Cause, ChainScalar, Hook, Place, Reach};
 
@@ -57,28 +57,25 @@ impl<D: ChainScalar> Pass<'_, D> {
         moves
     }
 
-    /// Coefficient of friction on the grid of the record, which has `parts` steps from one sample to the next, (R10).
+    /// Coefficient of friction on the grid of the run, (R10).
     pub(crate) fn coefficients(
         &self,
-        run: usize,
-        (law, moves): (&Law<D>, &[Move<D>]),
-        record: &Record<'_, D>,
-        initial: D,
-        parts: usize,
+        contact: &Contact<'_, D>,
     ) -> Result<Vec<D>, IntegrationError> {
+        let record = contact.driven.record();
         let walk = |slot: usize, law: &Law<D>| {
-            let run = run + slot * self.experiment.runs.len();
+            let run = contact.index + slot * self.experiment.runs.len();
             self.walks
-                .coefficients(run, law, record, initial, self.state_varies)
+                .coefficients(run, law, &record, contact.initial, self.state_varies)
         };
-        let left = walk(0, law)?;
-        if moves.is_empty() {
+        let left = walk(0, contact.law)?;
+        if contact.moves.is_empty() {
             return Ok(left);
         }
         let mut all = left.clone();
-        for (k, way) in moves.iter().enumerate() {
+        for (k, way) in contact.moves.iter().enumerate() {
             let towards = walk(k + 1, &way.towards)?;
-            let share = between(&way.share, parts);
+            let share = between(&way.share, contact.driven.parts);
             for (i, mu) in all.iter_mut().enumerate() {
                 *mu += (towards[i] - left[i]) * share[i];
             }

@@ -2,10 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use friction::{Aged, IntegrationError, Record, Scalar};
+use friction::{Aged, IntegrationError, Law, Scalar};
 
+use crate::along::Move;
 use crate::contact::Walks;
 use crate::cord::{Corded, tension};
+use crate::driven::Driven;
 use crate::refined::between;
 use crate::signal::slope;
 use crate::{ChainScalar, Coupling, Experiment, Hook, Model, Place, Reach, RunMotion, Station};
@@ -51,18 +53,12 @@ impl<D: ChainScalar> Pass<'_, D> {
         out
     }
 
-    fn acts(&self, reach: Reach) -> bool {
+    pub(crate) fn acts(&self, reach: Reach) -> bool {
         self.model
             .effects
             .iter()
             .zip(&self.active)
             .any(|(cause, &active)| active && cause.reach() == reach)
-    }
-
-    /// Whether the viscous part follows the speed at which the curve is read.
-    fn moves_the_viscous_part(&self) -> bool {
-        (self.model.effects.iter().zip(&self.active))
-            .any(|(cause, &active)| active && cause.moves_the_viscous_part())
     }
 
     /// What rest makes larger: the whole curve where one of the effects says so.
@@ -89,151 +85,38 @@ impl<D: ChainScalar> Pass<'_, D> {
             experiment: self.experiment,
             run,
         };
-        let n = run.len();
-
-        // contact: the law of this run
-        let mut law = self.model.law_with(self.parameters);
-        self.each_with_memory(Reach::Law, memories, |cause, p, memory| {
-            D::call(
-                cause,
-                p,
-                at,
-                Hook::Law {
-                    law: &mut law,
-                    memory,
-                },
-            );
-        });
-
+        let mut law = self.law_of(at, memories);
         let corded = self.acts(Reach::Coupling) && run.in_contact();
         let moves = self.moves(at, &mut law, memories, corded);
-
-        // stage: recorded velocity -> slip speed. A specimen turned round meets the plate the other way.
-        let parts = if corded {
-            of_the_motion(run)
-        } else {
-            self.parts(run)
+        let driven = self.driven(run, corded);
+        let contact = Contact {
+            index,
+            law: &law,
+            moves: &moves,
+            driven: &driven,
+            initial: self.model.initial_state(index, self.parameters),
         };
-        let followed = self.parts_of(Reach::Record, run) > 1;
-        let halved = run.halved.as_deref().filter(|_| parts == 2);
-        let refined = (parts > 1 && halved.is_none()).then(|| run.refined(parts));
-        let motion = halved.or(refined.as_ref()).unwrap_or(run);
-        let turn = if run.specimen_turned { -1.0 } else { 1.0 };
-        let mut velocity: Vec<D> = motion
-            .velocity_m_s
-            .iter()
-            .map(|&v| D::constant(v))
-            .collect();
-        self.in_place(Reach::Stage, motion, &mut velocity, |velocity| {
-            Hook::Stage { velocity }
-        });
-        let remembered = self.acts(Reach::CurveSpeed).then(|| {
-            let mut speed = velocity.clone();
-            self.in_place(Reach::CurveSpeed, motion, &mut speed, |speed| {
-                Hook::CurveSpeed { speed }
-            });
-            speed
-        });
-        let viscous_speed = remembered
-            .as_ref()
-            .filter(|_| self.moves_the_viscous_part());
-        let viscous_speed =
-            viscous_speed.map(|speed| speed.iter().map(|&u| u * turn).collect::<Vec<D>>());
-        let curve_speed: Option<Vec<D>> =
-            remembered.map(|speed| speed.into_iter().map(|u| u.magnitude()).collect());
-        let rest_gain = self.acts(Reach::RestGain).then(|| {
-            law.curve.aged = self.aged();
-            let mut gain = vec![D::constant(1.0); motion.len()];
-            self.in_place(Reach::RestGain, motion, &mut gain, |gain| Hook::RestGain {
-                gain,
-            });
-            gain
-        });
-        if turn < 0.0 {
-            velocity.iter_mut().for_each(|v| *v = -*v);
-        }
-        let shaped = self.acts(Reach::Stage) || curve_speed.is_some() || rest_gain.is_some();
-        let knots = if shaped {
-            &motion.every_sample
-        } else {
-            &motion.knots
-        };
-        let record = Record {
-            time_s: &motion.time_s,
-            velocity: &velocity,
-            curve_speed: curve_speed.as_deref(),
-            viscous_speed: viscous_speed.as_deref(),
-            rest_gain: rest_gain.as_deref(),
-            knots,
-        };
-        let initial = self.model.initial_state(index, self.parameters);
 
-        let mut coupling = Coupling::rigid();
-        if corded {
-            self.couple(at, &mut coupling);
-        }
-
-        // friction on the rigid chain: load x coefficient x factors of surface, history, load
-        let mut factor = None;
-        let mut force: Vec<D> = Vec::new();
-        let mut beside_chords: Option<Vec<D>> = None;
+        // contact, surface, history and load on the rigid chain
+        let parts = driven.parts;
+        let (mut force, mut factor, mut beside_chords) = (Vec::new(), None, None);
         if !corded || self.acts(Reach::Factor) {
-            let fine = match done.rigid(run.twin) {
-                Some(same) => same.to_vec(),
-                None => {
-                    let coefficient =
-                        self.coefficients(index, (&law, &moves), &record, initial, parts)?;
-                    let force: Vec<D> = coefficient
-                        .iter()
-                        .zip(&motion.load_n)
-                        .map(|(&mu, &load)| mu * (turn * load))
-                        .collect();
-                    done.keep_rigid(index, &force);
-                    force
-                }
-            };
+            let fine = self.rigid_friction(&contact, run.twin, done)?;
             force = fine.iter().step_by(parts).copied().collect();
-            beside_chords = (followed && parts > 1).then(|| {
-                let chords = between(&force, parts);
-                fine.iter().zip(chords).map(|(&f, c)| f - c).collect()
-            });
+            let followed = parts > 1 && !corded && self.parts_of(Reach::Record, run) > 1;
+            beside_chords = followed.then(|| beside(&fine, &force, parts));
         }
         if self.acts(Reach::Factor) {
-            let mut whole = vec![D::constant(1.0); n];
-            let mut scaled = force.clone();
-            self.each_with_memory(Reach::Factor, memories, |cause, p, memory| {
-                let hook = Hook::Factor {
-                    friction_n: &scaled,
-                    factor: &mut whole,
-                    memory,
-                };
-                D::call(cause, p, at, hook);
-                for ((scaled, force), factor) in scaled.iter_mut().zip(&force).zip(&whole) {
-                    *scaled = *force * *factor;
-                }
-            });
-            force = scaled;
-            factor = Some(whole);
+            factor = Some(self.factors(at, &mut force, memories));
         }
 
-        // coupling: what reaches the sensor through the cord
+        // coupling
         if corded {
-            let factors = factor.as_deref().map(|factor| between(factor, parts));
-            let held = Corded {
-                law: &law,
-                record,
-                every_sample: &motion.every_sample,
-                load_n: &motion.load_n,
-                factor: factors.as_deref(),
-                coupling,
-                initial,
-                steps_a_sample: self.model.steps_a_sample,
-            };
-            force = match done.corded(run.twin).filter(|_| factor.is_none()) {
+            let known = done.corded(run.twin).filter(|_| factor.is_none());
+            force = match known {
                 Some(same) => same.to_vec(),
                 None => {
-                    let fine = self.tension(&held)?;
-                    let force: Vec<D> = fine.iter().step_by(parts).map(|&f| f * turn).collect();
+                    let force = self.through_the_cord(at, &contact, factor.as_deref())?;
                     done.keep_corded(index, &force);
                     force
                 }
@@ -245,23 +128,112 @@ impl<D: ChainScalar> Pass<'_, D> {
         self.add_inertia(run, &mut force);
 
         // load, sensor, clock
-        let record_of = |run: &RunMotion, force: &mut [D]| {
+        Ok(self.recorded(run, &driven, force, beside_chords))
+    }
+
+    /// The law of this run.
+    fn law_of(&self, at: Place<'_>, memories: &mut [Vec<D>]) -> Law<D> {
+        let mut law = self.model.law_with(self.parameters);
+        self.each_with_memory(Reach::Law, memories, |cause, p, memory| {
+            let hook = Hook::Law {
+                law: &mut law,
+                memory,
+            };
+            D::call(cause, p, at, hook);
+        });
+        if self.acts(Reach::RestGain) {
+            law.curve.aged = self.aged();
+        }
+        law
+    }
+
+    /// Friction force of the rigid chain on the grid of the run, without the factors on it: load times coefficient.
+    fn rigid_friction(
+        &self,
+        contact: &Contact<'_, D>,
+        twin: usize,
+        done: &mut Done<D>,
+    ) -> Result<Vec<D>, IntegrationError> {
+        if let Some(same) = done.rigid(twin) {
+            return Ok(same.to_vec());
+        }
+        let driven = contact.driven;
+        let coefficient = self.coefficients(contact)?;
+        let loads = &driven.motion.load_n;
+        let force: Vec<D> = (coefficient.iter().zip(loads))
+            .map(|(&mu, &load)| mu * (driven.turn * load))
+            .collect();
+        done.keep_rigid(contact.index, &force);
+        Ok(force)
+    }
+
+    /// The factors of surface, history, speed and load on friction at the samples; the force takes them.
+    fn factors(&self, at: Place<'_>, force: &mut Vec<D>, memories: &mut [Vec<D>]) -> Vec<D> {
+        let mut whole = vec![D::constant(1.0); force.len()];
+        let mut scaled = force.clone();
+        self.each_with_memory(Reach::Factor, memories, |cause, p, memory| {
+            let hook = Hook::Factor {
+                friction_n: &scaled,
+                factor: &mut whole,
+                memory,
+            };
+            D::call(cause, p, at, hook);
+            for ((scaled, force), factor) in scaled.iter_mut().zip(&*force).zip(&whole) {
+                *scaled = *force * *factor;
+            }
+        });
+        *force = scaled;
+        whole
+    }
+
+    /// What reaches the sensor through the cord, at the samples.
+    fn through_the_cord(
+        &self,
+        at: Place<'_>,
+        contact: &Contact<'_, D>,
+        factor: Option<&[D]>,
+    ) -> Result<Vec<D>, IntegrationError> {
+        let driven = contact.driven;
+        let mut coupling = Coupling::rigid();
+        self.couple(at, &mut coupling);
+        let factors = factor.map(|factor| between(factor, driven.parts));
+        let fine = self.tension(&Corded {
+            law: contact.law,
+            record: driven.record(),
+            every_sample: &driven.motion.every_sample,
+            load_n: &driven.motion.load_n,
+            factor: factors.as_deref(),
+            coupling,
+            initial: contact.initial,
+            steps_a_sample: self.model.steps_a_sample,
+        })?;
+        let samples = fine.iter().step_by(driven.parts);
+        Ok(samples.map(|&f| f * driven.turn).collect())
+    }
+
+    /// What the channels make of the force: on the grid of the run where they follow what happens between the samples.
+    fn recorded(
+        &self,
+        run: &RunMotion,
+        driven: &Driven<'_, D>,
+        mut force: Vec<D>,
+        beside_chords: Option<Vec<D>>,
+    ) -> Vec<D> {
+        let record = |run: &RunMotion, force: &mut [D]| {
             self.in_place(Reach::Record, run, force, |force_n| Hook::Record {
                 force_n,
             });
         };
-        match beside_chords.filter(|_| !corded) {
-            None => record_of(run, &mut force),
-            Some(beside) => {
-                let mut fine = between(&force, parts);
-                for (f, b) in fine.iter_mut().zip(beside) {
-                    *f += b;
-                }
-                record_of(motion, &mut fine);
-                force = fine.into_iter().step_by(parts).collect();
-            }
+        let Some(beside) = beside_chords else {
+            record(run, &mut force);
+            return force;
+        };
+        let mut fine = between(&force, driven.parts);
+        for (f, b) in fine.iter_mut().zip(beside) {
+            *f += b;
         }
-        Ok(force)
+        record(&driven.motion, &mut fine);
+        fine.into_iter().step_by(driven.parts).collect()
     }
 
     /// Adds the inertia of the rig's stated mass. It follows the speed of the motor: the record's where the velocity channel is
@@ -296,27 +268,8 @@ impl<D: ChainScalar> Pass<'_, D> {
         }
     }
 
-    /// Steps from sample to sample that a run's motion and the active effects ask for.
-    fn parts(&self, run: &RunMotion) -> usize {
-        let of_the_stage = self.parts_of(Reach::Stage, run);
-        let of_the_record = self.parts_of(Reach::Record, run);
-        of_the_motion(run).max(of_the_stage).max(of_the_record)
-    }
-
-    fn parts_of(&self, reach: Reach, run: &RunMotion) -> usize {
-        let effects = self.model.effects.iter().enumerate();
-        effects
-            .filter(|&(i, cause)| self.active[i] && cause.reach() == reach)
-            .map(|(i, cause)| {
-                let own = &self.parameters[self.model.span(i)];
-                let values: Vec<f64> = own.iter().map(Scalar::value).collect();
-                cause.steps_a_sample(&values, run)
-            })
-            .fold(1, usize::max)
-    }
-
     /// Effects that change a series in place, in the order of the stations.
-    fn in_place(
+    pub(crate) fn in_place(
         &self,
         reach: Reach,
         run: &RunMotion,
@@ -396,9 +349,19 @@ impl<D: ChainScalar> Pass<'_, D> {
     }
 }
 
-/// Steps from sample to sample that a run's motion asks for.
-fn of_the_motion(run: &RunMotion) -> usize {
-    if run.halved.is_some() { 2 } else { 1 }
+/// The contact of a run: its law, the laws that this moves towards, what drives them, and the state at the first sample.
+pub(crate) struct Contact<'a, D> {
+    pub(crate) index: usize,
+    pub(crate) law: &'a Law<D>,
+    pub(crate) moves: &'a [Move<D>],
+    pub(crate) driven: &'a Driven<'a, D>,
+    pub(crate) initial: D,
+}
+
+/// What a series on the fine grid is beside the chords from sample to sample.
+fn beside<D: Scalar>(fine: &[D], at_samples: &[D], parts: usize) -> Vec<D> {
+    let chords = between(at_samples, parts);
+    fine.iter().zip(chords).map(|(&f, c)| f - c).collect()
 }
 
 /// Mechanics of runs that others repeat, see [`RunMotion::twin`].

@@ -13,6 +13,7 @@ mod bends;
 mod chain;
 mod contact;
 mod cord;
+mod driven;
 mod effect;
 mod experiment;
 mod factorised;

@@ -1,0 +1,142 @@
+//! What drives the contact along one run: the slip speed that the stage gives it, and what of the past friction sees beside it, on the grid
+//! on which the contact is carried.
+
+use friction::{Record, Scalar};
+
+use crate::chain::Pass;
+use crate::{ChainScalar, Hook, Reach, RunMotion};
+
+/// The grid of a run: its samples, or steps between them.
+pub(crate) enum Grid<'r> {
+    Recorded(&'r RunMotion),
+    Refined(Box<RunMotion>),
+}
+
+impl std::ops::Deref for Grid<'_> {
+    type Target = RunMotion;
+
+    fn deref(&self) -> &RunMotion {
+        match self {
+            Self::Recorded(motion) => motion,
+            Self::Refined(motion) => motion,
+        }
+    }
+}
+
+/// A run as the contact meets it.
+pub(crate) struct Driven<'r, D> {
+    /// The motion on the grid.
+    pub(crate) motion: Grid<'r>,
+    /// Steps of the grid from one sample to the next.
+    pub(crate) parts: usize,
+    /// -1 where the specimen was turned round and meets the plate the other way, else 1.
+    pub(crate) turn: f64,
+    velocity: Vec<D>,
+    curve_speed: Option<Vec<D>>,
+    viscous_speed: Option<Vec<D>>,
+    rest_gain: Option<Vec<D>>,
+    /// Whether an effect bends the motion between the knots of the recorded one.
+    shaped: bool,
+}
+
+impl<D: Scalar> Driven<'_, D> {
+    /// The motion as the law of friction takes it.
+    pub(crate) fn record(&self) -> Record<'_, D> {
+        let knots = if self.shaped {
+            &self.motion.every_sample
+        } else {
+            &self.motion.knots
+        };
+        Record {
+            time_s: &self.motion.time_s,
+            velocity: &self.velocity,
+            curve_speed: self.curve_speed.as_deref(),
+            viscous_speed: self.viscous_speed.as_deref(),
+            rest_gain: self.rest_gain.as_deref(),
+            knots,
+        }
+    }
+}
+
+impl<D: ChainScalar> Pass<'_, D> {
+    /// Stage: recorded velocity -> slip speed, and what friction remembers of it.
+    pub(crate) fn driven<'r>(&self, run: &'r RunMotion, corded: bool) -> Driven<'r, D> {
+        let parts = if corded {
+            of_the_motion(run)
+        } else {
+            self.parts(run)
+        };
+        let motion = match &run.halved {
+            Some(halved) if parts == 2 => Grid::Recorded(halved),
+            _ if parts > 1 => Grid::Refined(Box::new(run.refined(parts))),
+            _ => Grid::Recorded(run),
+        };
+        let turn = if run.specimen_turned { -1.0 } else { 1.0 };
+        let recorded = motion.velocity_m_s.iter();
+        let mut velocity: Vec<D> = recorded.map(|&v| D::constant(v)).collect();
+        self.in_place(Reach::Stage, &motion, &mut velocity, |velocity| {
+            Hook::Stage { velocity }
+        });
+        let remembered = self.acts(Reach::CurveSpeed).then(|| {
+            let mut speed = velocity.clone();
+            self.in_place(Reach::CurveSpeed, &motion, &mut speed, |speed| {
+                Hook::CurveSpeed { speed }
+            });
+            speed
+        });
+        let rest_gain = self.acts(Reach::RestGain).then(|| {
+            let mut gain = vec![D::constant(1.0); motion.len()];
+            self.in_place(Reach::RestGain, &motion, &mut gain, |gain| Hook::RestGain {
+                gain,
+            });
+            gain
+        });
+        let shaped = self.acts(Reach::Stage) || remembered.is_some() || rest_gain.is_some();
+        if turn < 0.0 {
+            velocity.iter_mut().for_each(|v| *v = -*v);
+        }
+        let followed = remembered
+            .as_ref()
+            .filter(|_| self.moves_the_viscous_part());
+        Driven {
+            viscous_speed: followed.map(|speed| speed.iter().map(|&u| u * turn).collect()),
+            curve_speed: remembered.map(|speed| speed.iter().map(|u| u.magnitude()).collect()),
+            motion,
+            parts,
+            turn,
+            velocity,
+            rest_gain,
+            shaped,
+        }
+    }
+
+    /// Whether the viscous part follows the speed at which the curve is read.
+    fn moves_the_viscous_part(&self) -> bool {
+        (self.model.effects.iter().zip(&self.active))
+            .any(|(cause, &active)| active && cause.moves_the_viscous_part())
+    }
+
+    /// Steps from sample to sample that a run's motion and the active effects ask for.
+    fn parts(&self, run: &RunMotion) -> usize {
+        let of_the_stage = self.parts_of(Reach::Stage, run);
+        let of_the_record = self.parts_of(Reach::Record, run);
+        of_the_motion(run).max(of_the_stage).max(of_the_record)
+    }
+
+    pub(crate) fn parts_of(&self, reach: Reach, run: &RunMotion) -> usize {
+        let effects = self.model.effects.iter().enumerate();
+        effects
+            .filter(|&(i, cause)| self.active[i] && cause.reach() == reach)
+            .map(|(i, cause)| {
+                let own = &self.parameters[self.model.span(i)];
+                let values: Vec<f64> = own.iter().map(Scalar::value).collect();
+                cause.steps_a_sample(&values, run)
+            })
+            .fold(1, usize::max)
+    }
+}
+
+/// Steps from sample to sample that a run's motion asks for.
+fn of_the_motion(run: &RunMotion) -> usize {
+    if run.halved.is_some() { 2 } else { 1 }
+}
