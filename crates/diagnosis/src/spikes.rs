@@ -9,8 +9,15 @@
 //! #(l < |y| < R l)   out of   #(l / R < |y| < R l)   against   P(l < |t_4| < R l) / P(l / R < |t_4| < R l)
 //! ```
 //!
-//! in units of the median; the levels are paid for by Bonferroni's bound. What stands close together is one spike: whitening carries a
-//! sample into the next.
+//! in units of the median. A spike may be two samples wide, each no further out than heavy tails are; but these do not come in pairs: more
+//! neighbours beyond a level together, on one side or on opposite ones, than the share of samples beyond it makes, and what little
+//! whitening leaves of one sample in the next,
+//!
+//! ```text
+//! #(|y_i| > l, |y_i+1| > l, y_i y_i+1 >< 0)   against   exp(+-r l^2) sum over runs n p^2 / 2,   p: share of the run's samples beyond l.
+//! ```
+//!
+//! The levels are paid for by Bonferroni's bound. What stands close together is one spike: whitening carries a sample into the next.
 
 use std::ops::Range;
 
@@ -28,9 +35,13 @@ const LEVELS: [f64; 4] = [8.0, 11.0, 16.0, 22.0];
 /// Multiples of the median at which what lies just beyond is held against what lies just below, and R.
 const EDGES: [f64; 7] = [4.5, 5.5, 6.7, 8.2, 10.0, 12.2, 15.0];
 const BAND: f64 = 1.3;
+/// Multiples of the median beyond which two neighbours together are counted.
+const ROWS: [f64; 4] = [3.4, 4.1, 5.0, 6.0];
 /// Whitening is not perfect everywhere: so many times more are let pass, of all samples and of those near a level.
 const UNEVEN: f64 = 2.0;
 const UNEVEN_NEAR: f64 = 1.2;
+/// Multiples of a normal standard deviation beyond which samples say nothing of how neighbours go together.
+const CALM: f64 = 2.0;
 /// Samples within which several far out are one spike.
 const TOGETHER: usize = 5;
 
@@ -68,10 +79,54 @@ fn far_out(y: &[f64], runs: &[Range<usize>]) -> Option<(f64, Vec<usize>)> {
         found.retain(|event| event.size > level * median);
         (log_binomial_tail(share, found.len(), near), found)
     });
-    let price = ((LEVELS.len() + EDGES.len()) as f64).ln();
-    let (log_p, found) = many.chain(alike).min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let carried = carried_over(y, runs, CALM * median / unit);
+    let in_a_row = ROWS.iter().flat_map(|&level| {
+        // the joint tail of two normal numbers of correlation r, both beyond l, is some exp(r l^2) times that of independent ones
+        [1.0, -1.0].map(|sign| {
+            let normal = level * unit;
+            let near = (sign * carried * normal * normal).max(0.0).exp();
+            let (expected, found) = in_a_row(y, runs, level * median, sign);
+            let expected = UNEVEN * near * expected;
+            (log_poisson_tail(expected, found.len()), found)
+        })
+    });
+    let price = ((LEVELS.len() + EDGES.len() + 2 * ROWS.len()) as f64).ln();
+    let (log_p, found) = (many.chain(alike).chain(in_a_row)).min_by(|a, b| a.0.total_cmp(&b.0))?;
     let at = found.into_iter().map(|event| event.at).collect();
     Some(((log_p + price).min(0.0), at))
+}
+
+/// How many pairs of neighbours are to be expected beyond a level together, on the same side (`sign` 1) or on opposite ones (-1), and where
+/// they are. Each run has a share of samples beyond it of its own.
+fn in_a_row(y: &[f64], runs: &[Range<usize>], level: f64, sign: f64) -> (f64, Vec<Event>) {
+    let (mut expected, mut found) = (0.0, Vec::new());
+    for run in runs {
+        let beyond = |i: &usize| y[*i].abs() > level;
+        let share = run.clone().filter(beyond).count() as f64 / run.len().max(1) as f64;
+        expected += 0.5 * run.len() as f64 * share * share;
+        let mut free_from = run.start;
+        for i in run.start..run.end.max(1) - 1 {
+            let size = y[i].abs().min(y[i + 1].abs());
+            if i >= free_from && size > level && sign * y[i] * y[i + 1] > 0.0 {
+                found.push(Event { at: i, size });
+                free_from = i + TOGETHER;
+            }
+        }
+    }
+    (expected, found)
+}
+
+/// Correlation of neighbours, of what lies within a level.
+fn carried_over(y: &[f64], runs: &[Range<usize>], level: f64) -> f64 {
+    let calm = |v: f64| v.clamp(-level, level);
+    let of_run = |run: &Range<usize>| {
+        y[run.clone()]
+            .windows(2)
+            .map(|w| calm(w[0]) * calm(w[1]))
+            .sum::<f64>()
+    };
+    let squares: f64 = y.iter().map(|&v| calm(v).powi(2)).sum();
+    runs.iter().map(of_run).sum::<f64>() / squares.max(f64::MIN_POSITIVE)
 }
 
 /// ln P(X >= count) of a number X out of n, each with the probability p, or above: Chernoff's bound.
@@ -170,6 +225,35 @@ mod tests {
                     1
                 );
             }
+        }
+    }
+
+    /// Twenty spikes of two samples each in four runs, no sample further out than tails are, are told from noise; the same samples apart are
+    /// not.
+    #[test]
+    fn spikes_of_two_samples_are_told_from_tails() {
+        const SIZE: f64 = 3.8;
+        let mut generator = ChaCha8Rng::seed_from_u64(13);
+        for (second, apart, seen) in [(SIZE, 1, 18..=20), (-SIZE, 1, 18..=20), (SIZE, 17, 0..=1)] {
+            let mut told = 0;
+            for _ in 0..20 {
+                let mut y: Vec<f64> = (0..10 * RUN)
+                    .map(|_| StandardNormal.sample(&mut generator))
+                    .collect();
+                for k in 0..20 {
+                    let within = generator.random_range(0..RUN / 5 - 20);
+                    let at = (k % 4) * RUN + (k / 4) * (RUN / 5) + within;
+                    let sign = if generator.random::<bool>() {
+                        1.0
+                    } else {
+                        -1.0
+                    };
+                    y[at] += sign * SIZE;
+                    y[at + apart] += sign * second;
+                }
+                told += usize::from(found(&y).0 < NAMED.ln());
+            }
+            assert!(seen.contains(&told), "{second} {apart}: {told}");
         }
     }
 
