@@ -137,12 +137,28 @@ fn refined_starts(bench: &Bench<'_>, fitted: &Fitted, k: usize, form: usize) -> 
         return effect.starts(&bench.experiment);
     }
     let specs = effect.parameters_for(&bench.experiment);
-    let mut start = fitted.parameters[fitted.model.span(k)].to_vec();
-    for i in start.len()..specs.len() {
-        let size = effect.sizes().contains(&i);
-        start.push(if size { 0.0 } else { specs[i].typical });
+    let plain = &fitted.parameters[fitted.model.span(k)];
+    let with_further = |sign: f64| -> Vec<f64> {
+        let further = (plain.len()..specs.len()).map(|i| {
+            let size = effect.sizes().contains(&i);
+            if size { 0.0 } else { sign * specs[i].typical }
+        });
+        plain.iter().copied().chain(further).collect()
+    };
+    // A shape that may go either way begins from both sides.
+    let admitted = |start: &Vec<f64>| {
+        specs
+            .iter()
+            .zip(start)
+            .skip(plain.len())
+            .all(|(s, &x)| s.admits(x))
+    };
+    let mut starts = vec![with_further(1.0)];
+    let other = with_further(-1.0);
+    if other != starts[0] && admitted(&other) {
+        starts.push(other);
     }
-    vec![start]
+    starts
 }
 
 /// The set with another form in the place of its k-th cause, from the form's starts, and its deviance under the stand's noise.

@@ -6,11 +6,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use diagnosis::causes::catalogue;
 use friction::LawKind;
-use rig::{Cause, Experiment, Model, Requirement, Station};
+use rig::{Cause, Experiment, Follows, Model, Requirement, Station};
 use rigs::{BRISTLE, LUGRE, rich};
 
 /// Ids, stations and reported parameters, as other programs know them.
-const VOCABULARY: [(&str, &str, &[&str]); 60] = [
+const VOCABULARY: [(&str, &str, &[&str]); 64] = [
     (
         "stage-ripple",
         "stage",
@@ -20,6 +20,11 @@ const VOCABULARY: [(&str, &str, &[&str]); 60] = [
         "stage-ripple",
         "stage",
         &["amplitude", "pitch_m", "phase_rad", "edges"],
+    ),
+    (
+        "stage-ripple",
+        "stage",
+        &["amplitude", "pitch_m", "phase_rad", "teeth"],
     ),
     (
         "stage-ripple",
@@ -87,6 +92,11 @@ const VOCABULARY: [(&str, &str, &[&str]); 60] = [
         "surface-texture",
         "surface",
         &["amplitude", "wavelength_m", "phase_rad", "edges"],
+    ),
+    (
+        "surface-texture",
+        "surface",
+        &["amplitude", "wavelength_m", "phase_rad", "teeth"],
     ),
     (
         "surface-texture",
@@ -180,6 +190,16 @@ const VOCABULARY: [(&str, &str, &[&str]); 60] = [
         "frictional-memory",
         "law",
         &["distance_m", "of_the_viscous_part"],
+    ),
+    (
+        "frictional-memory",
+        "law",
+        &["time_constant_s", "of_the_magnitude_and_the_viscous_part"],
+    ),
+    (
+        "frictional-memory",
+        "law",
+        &["distance_m", "of_the_magnitude_and_the_viscous_part"],
     ),
     ("dwell-ageing", "history", &["per_decade"]),
     ("dwell-ageing", "history", &["per_decade", "between_runs"]),
@@ -503,7 +523,7 @@ fn derivatives_at_the_null_are_one_sided_limits() {
             // play is linear only while it is crossed within one sample, the viscous part only while it remembers less than one
             let small = match cause.id() {
                 "backlash" => 1e-4,
-                _ if cause.moves_the_viscous_part() => 1e-2,
+                _ if cause.viscous_part() != Follows::TheSlip => 1e-2,
                 _ => 1.0,
             };
             let (coarse, fine) = (difference(1e-2 * small), difference(1e-3 * small));

@@ -4,7 +4,7 @@
 use friction::{Record, Scalar};
 
 use crate::chain::Pass;
-use crate::{ChainScalar, Hook, Reach, RunMotion};
+use crate::{ChainScalar, Follows, Hook, Reach, RunMotion};
 
 /// The grid of a run: its samples, or steps between them.
 pub(crate) enum Grid<'r> {
@@ -95,11 +95,11 @@ impl<D: ChainScalar> Pass<'_, D> {
         if turn < 0.0 {
             velocity.iter_mut().for_each(|v| *v = -*v);
         }
-        let followed = remembered
+        let viscous_speed = remembered
             .as_ref()
-            .filter(|_| self.moves_the_viscous_part());
+            .and_then(|speed| self.viscous_speed(speed, &velocity, turn));
         Driven {
-            viscous_speed: followed.map(|speed| speed.iter().map(|&u| u * turn).collect()),
+            viscous_speed,
             curve_speed: remembered.map(|speed| speed.iter().map(|u| u.magnitude()).collect()),
             motion,
             parts,
@@ -110,10 +110,19 @@ impl<D: ChainScalar> Pass<'_, D> {
         }
     }
 
-    /// Whether the viscous part follows the speed at which the curve is read.
-    fn moves_the_viscous_part(&self) -> bool {
-        (self.model.effects.iter().zip(&self.active))
-            .any(|(cause, &active)| active && cause.moves_the_viscous_part())
+    /// The speed that the viscous part follows, where it is not the slip's.
+    fn viscous_speed(&self, remembered: &[D], velocity: &[D], turn: f64) -> Option<Vec<D>> {
+        let effects = self.model.effects.iter().zip(&self.active);
+        let of_the_viscous_part = effects
+            .filter(|(_, active)| **active)
+            .map(|(cause, _)| cause.viscous_part())
+            .find(|follows| *follows != Follows::TheSlip)?;
+        let seen = remembered.iter().zip(velocity);
+        let seen = seen.map(|(&u, v)| match of_the_viscous_part {
+            Follows::ItsSize => u.magnitude() * v.value().signum(),
+            _ => u * turn,
+        });
+        Some(seen.collect())
     }
 
     /// Steps from sample to sample that a run's motion and the active effects ask for.

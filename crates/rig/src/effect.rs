@@ -39,6 +39,17 @@ impl Reach {
     }
 }
 
+/// The speed that the viscous part of friction follows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Follows {
+    /// The slip speed.
+    TheSlip,
+    /// The speed at which the Stribeck curve is read, signed.
+    TheCurve,
+    /// The size of that speed, on the side of the slip.
+    ItsSize,
+}
+
 /// What a campaign must have for a cause to be told at all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Requirement {
@@ -338,9 +349,9 @@ pub trait Cause: Hooks {
     {
     }
 
-    /// [`Reach::CurveSpeed`]: whether the viscous part of friction follows that speed too.
-    fn moves_the_viscous_part(&self) -> bool {
-        false
+    /// [`Reach::CurveSpeed`]: how the viscous part of friction follows that speed too.
+    fn viscous_part(&self) -> Follows {
+        Follows::TheSlip
     }
 
     /// [`Reach::RestGain`]: what of the Stribeck curve the gain multiplies.

@@ -28,7 +28,7 @@ mod station;
 
 pub use contact::Paths;
 pub use cord::Coupling;
-pub use effect::{Cause, ChainScalar, Hook, Hooks, Place, Reach, Reported, Requirement};
+pub use effect::{Cause, ChainScalar, Follows, Hook, Hooks, Place, Reach, Reported, Requirement};
 pub use experiment::{Experiment, ExperimentError, GRAVITY_M_S2, RunMotion};
 pub use model::{Model, ModelError};
 pub use model_file::{

@@ -25,6 +25,8 @@ pub enum Wave {
     Square,
     /// Triangle, amplitude one.
     Triangle,
+    /// Teeth of a saw, amplitude one: an even rise, and the fall within a twentieth of the period.
+    Saw,
 }
 
 impl Wave {
@@ -35,6 +37,14 @@ impl Wave {
             // Edges a twelfth of a period wide: a ground groove, not a mathematical jump.
             Self::Square => (6.0 * phase.sin()).tanh(),
             Self::Triangle => phase.sin().asin() * std::f64::consts::FRAC_2_PI,
+            Self::Saw => {
+                let place = (phase / std::f64::consts::TAU).rem_euclid(1.0);
+                if place < 0.95 {
+                    2.0 * place / 0.95 - 1.0
+                } else {
+                    1.0 - 2.0 * (place - 0.95) / 0.05
+                }
+            }
         }
     }
 }

@@ -103,7 +103,11 @@ pub fn draw(
     let sign = if between(0.0, 1.0) < 0.5 { -1.0 } else { 1.0 };
     // A length between a sixtieth and a twelfth of the plate, evenly in its logarithm.
     let length_m = scales.travel_m / 60.0 * 5.0_f64.powf(share);
-    let wave = if second { Wave::Square } else { Wave::Sine };
+    let wave = match (second, sign > 0.0) {
+        (false, _) => Wave::Sine,
+        (true, true) => Wave::Square,
+        (true, false) => Wave::Saw,
+    };
     let filter = if second {
         Filter::SecondOrder
     } else {

@@ -1,11 +1,11 @@
 //! Friction follows speed with a memory: the Stribeck curve is read at a speed u that lags behind v, in time,
 //! tau u' = v - u, or in distance slid, D du/ds = v - u. u starts at v. Or it is the magnitude |v| that is remembered: through a
 //! reversal the curve is then read at low speeds, not at zero. Or the viscous part follows u as well, sigma2 u in the place of sigma2 v:
-//! friction as a whole then comes after the speed.
+//! friction as a whole then comes after the speed; of its magnitude, sigma2 u sgn(v).
 
 use friction::{LawKind, ParameterSpec, Scalar};
 use rig::signal::lag_step;
-use rig::{Cause, Experiment, Place, Reach, Requirement, Station};
+use rig::{Cause, Experiment, Follows, Place, Reach, Requirement, Station};
 
 use super::{grids, marker};
 
@@ -174,8 +174,8 @@ impl Cause for ViscousMemoryInTime {
         MemoryInTime.curve_speed(p, at, speed);
     }
 
-    fn moves_the_viscous_part(&self) -> bool {
-        true
+    fn viscous_part(&self) -> Follows {
+        Follows::TheCurve
     }
 }
 
@@ -190,7 +190,50 @@ impl Cause for ViscousMemoryInDistance {
         MemoryInDistance.curve_speed(p, at, speed);
     }
 
-    fn moves_the_viscous_part(&self) -> bool {
-        true
+    fn viscous_part(&self) -> Follows {
+        Follows::TheCurve
+    }
+}
+
+/// Beside the memory, what tells that of the magnitude and of the viscous part in a file.
+const OF_BOTH: &str = "of_the_magnitude_and_the_viscous_part";
+
+/// Memory of the magnitude of the speed, of the curve and of the viscous part, of a time constant.
+#[derive(Clone, Copy, Debug)]
+pub struct WholeMagnitudeInTime;
+
+impl Cause for WholeMagnitudeInTime {
+    marker::marked_form!(MemoryInTime, "magnitude, viscous too, time", OF_BOTH);
+
+    fn requirements(&self) -> &'static [Requirement] {
+        &[Requirement::Reversals]
+    }
+
+    fn curve_speed<D: Scalar>(&self, p: &[D], at: Place<'_>, speed: &mut [D]) {
+        MagnitudeInTime.curve_speed(p, at, speed);
+    }
+
+    fn viscous_part(&self) -> Follows {
+        Follows::ItsSize
+    }
+}
+
+/// Memory of the magnitude of the speed, of the curve and of the viscous part, of a distance.
+#[derive(Clone, Copy, Debug)]
+pub struct WholeMagnitudeInDistance;
+
+impl Cause for WholeMagnitudeInDistance {
+    marker::marked_form!(MemoryInDistance, "magnitude, viscous too, distance", OF_BOTH);
+
+    fn requirements(&self) -> &'static [Requirement] {
+        &[Requirement::Reversals]
+    }
+
+    fn curve_speed<D: Scalar>(&self, p: &[D], at: Place<'_>, speed: &mut [D]) {
+        MagnitudeInDistance.curve_speed(p, at, speed);
+    }
+
+    fn viscous_part(&self) -> Follows {
+        Follows::ItsSize
     }
 }

@@ -22,7 +22,7 @@ macro_rules! catalogue {
 }
 
 catalogue! {
-    stage_ripple::StageRipple, EdgedRipple, HarmonicRipple;
+    stage_ripple::StageRipple, EdgedRipple, ToothedRipple, HarmonicRipple;
     cord_compliance::CordCompliance, CordBesideMass;
     stribeck_shape::StribeckShape;
     velocity_strengthening::AddedStrengthening, VelocityStrengthening;
@@ -30,7 +30,7 @@ catalogue! {
     bristle_set::BristleSet, KeptSet, LastWaySet, LostSet, SlidingSet;
     wear::Wear, WearByDecades;
     thermal_softening::ThermalSoftening, LevellingSoftening, ExponentialSoftening;
-    surface_texture::SurfaceTexture, EdgedTexture, HarmonicTexture;
+    surface_texture::SurfaceTexture, EdgedTexture, ToothedTexture, HarmonicTexture;
     surface_gradient::SurfaceGradient;
     load_dependence::LoadDependence;
     load_oscillation::LoadOscillation, OscillationOfTheDay, EdgedOscillation, HarmonicOscillation;
@@ -43,7 +43,8 @@ catalogue! {
     force_resolution::ForceResolution;
     clock_offset::ClockOffset;
     direction_asymmetry::DirectionAsymmetry, JumpingAsymmetry;
-    frictional_memory::MemoryInTime, MemoryInDistance, MagnitudeInTime, MagnitudeInDistance, ViscousMemoryInTime, ViscousMemoryInDistance;
+    frictional_memory::MemoryInTime, MemoryInDistance, MagnitudeInTime, MagnitudeInDistance, ViscousMemoryInTime, ViscousMemoryInDistance,
+        WholeMagnitudeInTime, WholeMagnitudeInDistance;
     dwell_ageing::DwellAgeing, AgeingBetweenRuns, TurnedAgeing, FadingAgeing, GrownContact, FreshAgeing, FreshFadingAgeing;
     backlash::Backlash, CarriedBacklash, SoftBacklash;
     velocity_lag::VelocityLag, SecondOrderVelocityLag;

@@ -3,13 +3,20 @@
 //! A sin(x + phase) = a sin(x) + b cos(x), A = sqrt(a^2 + b^2), phase = atan2(b, a). The pair is linear at the null, where
 //! a phase means nothing.
 //!
-//! What ripples need not do so as a sine. Two refined forms are tried in the place of a sine that was found: with edges,
+//! What ripples need not do so as a sine. Three refined forms are tried in the place of a sine that was found: with edges,
 //!
 //! ```text
 //! u / sqrt(1 - s + s u^2 / A^2),   u = a sin(x) + b cos(x),   s from 0 (a sine) to 1 (a square wave of the height A)
 //! ```
 //!
-//! and with a second and a third harmonic, sines and cosines of 2 x and 3 x.
+//! with teeth,
+//!
+//! ```text
+//! A sum over n of s^(n - 1) sin(n psi)/n = (A/s) atan(s u / (A - s w)),   w = a cos(x) - b sin(x)
+//! ```
+//!
+//! psi being x + phase and s from -1 (it rises evenly and falls at once) over 0 (a sine) to 1 (it falls evenly), and with a second and a third
+//! harmonic, sines and cosines of 2 x and 3 x. Of both A is the height of the first harmonic.
 
 use std::collections::BTreeMap;
 
@@ -93,6 +100,38 @@ impl Wave for Edged {
     }
 }
 
+/// Between a sine and the teeth of a saw.
+pub(super) enum Toothed {}
+
+pub(super) const TEETH: ParameterSpec = ParameterSpec::new(
+    "teeth",
+    "1",
+    "from a sine, 0, to teeth that fall (1) or rise (-1) evenly",
+    -0.999,
+    0.999,
+    0.5,
+);
+
+impl Refined for Toothed {
+    const VARIANT: &'static str = "with teeth";
+    const FURTHER: &'static [ParameterSpec] = &[TEETH];
+    const SIZES: &'static [usize] = &[0, 1];
+}
+
+impl Wave for Toothed {
+    fn ripple<D: Scalar>(p: &[D], x: D) -> D {
+        let teeth = p[3];
+        if teeth.value() == 0.0 {
+            return Sine::ripple(p, x);
+        }
+        let (sin, cos) = x.sin_cos();
+        let (sine, cosine) = (p[0] * sin + p[1] * cos, p[0] * cos - p[1] * sin);
+        let height = (p[0] * p[0] + p[1] * p[1] + f64::MIN_POSITIVE).sqrt();
+        let angle = (teeth * sine / (height - teeth * cosine)).atan();
+        height / teeth * angle + 1.0
+    }
+}
+
 /// With the second and the third harmonic.
 pub(super) enum Harmonics {}
 
@@ -168,6 +207,9 @@ pub(super) fn with_further(
 macro_rules! refined_form {
     ($plain:ident, Edged, $shape:ident) => {
         $crate::causes::periodic::refined_form!($plain, Edged, [$shape, EDGES]);
+    };
+    ($plain:ident, Toothed, $shape:ident) => {
+        $crate::causes::periodic::refined_form!($plain, Toothed, [$shape, TEETH]);
     };
     ($plain:ident, Harmonics, $shape:ident) => {
         $crate::causes::periodic::refined_form!(

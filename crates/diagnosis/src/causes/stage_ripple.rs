@@ -7,7 +7,7 @@ use friction::{ParameterSpec, Scalar};
 use rig::{Cause, Experiment, Place, Reach, Reported, Requirement, RunMotion, Station};
 
 use super::{grids, periodic};
-use periodic::{Edged, Harmonics, Sine, Wave};
+use periodic::{Edged, Harmonics, Sine, Toothed, Wave};
 
 /// The true speed of the stage ripples with the pitch of its drive.
 #[derive(Clone, Copy, Debug)]
@@ -100,7 +100,23 @@ impl Cause for EdgedRipple {
     }
 }
 
-/// Teeth and poles: with the second and the third harmonic.
+/// A drive that sticks and leaps: its speed rises evenly and falls at once, or the other way round.
+#[derive(Clone, Copy, Debug)]
+pub struct ToothedRipple;
+
+impl Cause for ToothedRipple {
+    periodic::refined_form!(StageRipple, Toothed, PITCH);
+
+    fn steps_a_sample(&self, p: &[f64], run: &RunMotion) -> usize {
+        steps(p[2] / FINER, run)
+    }
+
+    fn stage<D: Scalar>(&self, p: &[D], at: Place<'_>, velocity: &mut [D]) {
+        ripple::<Toothed, D>(p, at, velocity);
+    }
+}
+
+/// Poles: with the second and the third harmonic.
 #[derive(Clone, Copy, Debug)]
 pub struct HarmonicRipple;
 

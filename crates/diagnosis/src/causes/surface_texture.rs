@@ -6,7 +6,7 @@ use friction::{ParameterSpec, Scalar};
 use rig::{Cause, Experiment, Place, Reach, Reported, Requirement, Station};
 
 use super::{grids, periodic};
-use periodic::{Edged, Harmonics, Sine, Wave};
+use periodic::{Edged, Harmonics, Sine, Toothed, Wave};
 
 /// Friction ripples with the place on the plate.
 #[derive(Clone, Copy, Debug)]
@@ -84,7 +84,19 @@ impl Cause for EdgedTexture {
     }
 }
 
-/// Teeth: with the second and the third harmonic.
+/// Scales: it rises evenly and falls at once, or the other way round.
+#[derive(Clone, Copy, Debug)]
+pub struct ToothedTexture;
+
+impl Cause for ToothedTexture {
+    periodic::refined_form!(SurfaceTexture, Toothed, WAVELENGTH);
+
+    fn factor<D: Scalar>(&self, p: &[D], at: Place<'_>, _friction_n: &[D], factor: &mut [D], _memory: &mut [D]) {
+        ripple::<Toothed, D>(p, at, factor);
+    }
+}
+
+/// With the second and the third harmonic.
 #[derive(Clone, Copy, Debug)]
 pub struct HarmonicTexture;
 
