@@ -1,6 +1,6 @@
 //! `codecheck.yml`: the manifest that a human code checker works through (<https://codecheck.org.uk/spec/config/1.0/>).
 
-use super::OutputFile;
+use super::{OutputFile, counted_verdicts};
 use crate::Document;
 
 /// The manifest: files with what they hold, and the paper. Who checked and when is left to the person who does.
@@ -33,18 +33,8 @@ pub fn codecheck(document: &Document, files: &[OutputFile]) -> String {
 }
 
 fn summary(document: &Document) -> String {
-    let counts: Vec<String> = crate::Verdict::ALL
-        .iter()
-        .map(|verdict| {
-            let count = document
-                .claims
-                .iter()
-                .filter(|claim| claim.verdict == *verdict)
-                .count();
-            format!("{count} {}", verdict.word())
-        })
-        .collect();
-    format!("{} claims: {}.", document.claims.len(), counts.join(", "))
+    let claims = document.claims.len();
+    format!("{claims} claims: {}.", counted_verdicts(document))
 }
 
 /// A double-quoted YAML scalar, which is a JSON string.

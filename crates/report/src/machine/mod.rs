@@ -9,7 +9,7 @@ pub use codecheck::codecheck;
 pub use ro_crate::ro_crate;
 pub use statement::{predicate, statement};
 
-use crate::Document;
+use crate::{Document, Verdict};
 
 /// Name of the script that repeats the run; it is the workflow of the RO-Crate.
 pub const WORKFLOW: &str = "reproduce.sh";
@@ -30,6 +30,16 @@ pub struct OutputFile {
     pub sha256: String,
     /// Its size.
     pub bytes: u64,
+}
+
+/// How many claims have each verdict, in words.
+fn counted_verdicts(document: &Document) -> String {
+    let claims = || document.claims.iter();
+    let counts = Verdict::ALL.map(|verdict| {
+        let count = claims().filter(|claim| claim.verdict == verdict).count();
+        format!("{count} {}", verdict.word())
+    });
+    counts.join(", ")
 }
 
 /// What lies in the output folder, to be written as [`README`] beside `files`.

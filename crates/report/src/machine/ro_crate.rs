@@ -3,8 +3,8 @@
 
 use serde_json::{Value, json};
 
-use super::{OutputFile, README, WORKFLOW};
-use crate::{Document, Error, Verdict, identity};
+use super::{OutputFile, README, WORKFLOW, counted_verdicts};
+use crate::{Document, Error, identity};
 
 const PROFILES: [(&str, &str, &str); 3] = [
     (
@@ -126,20 +126,9 @@ fn one_or_many(mut values: Vec<Value>) -> Value {
 }
 
 fn description(document: &Document) -> String {
-    let counts: Vec<String> = Verdict::ALL
-        .iter()
-        .map(|verdict| {
-            let count = document
-                .claims
-                .iter()
-                .filter(|claim| claim.verdict == *verdict)
-                .count();
-            format!("{count} {}", verdict.word())
-        })
-        .collect();
     format!(
         "Reproduction and audit of a paper; verdicts: {}.",
-        counts.join(", ")
+        counted_verdicts(document)
     )
 }
 
