@@ -45,7 +45,7 @@ impl Cause for ClockOffset {
     }
 
     fn mistaken_for(&self) -> &'static [&'static str] {
-        &["sensor-lag", "velocity-lag"]
+        &["sensor-lag", "velocity-lag", "frictional-memory"]
     }
 
     fn lateness_s(&self, p: &[f64]) -> f64 {

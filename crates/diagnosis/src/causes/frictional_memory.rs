@@ -160,6 +160,17 @@ impl Cause for MagnitudeInDistance {
     }
 }
 
+/// Memories from which fits of the forms begin that are asked in another cause's place: friction that comes after the speed as a whole looks
+/// like a lag or a delay of the force at first.
+fn times(experiment: &Experiment) -> Vec<Vec<f64>> {
+    grids::delays_s(experiment).into_iter().map(|time| vec![time]).collect()
+}
+
+fn distances(experiment: &Experiment) -> Vec<Vec<f64>> {
+    let speed = experiment.scales.speed_m_s;
+    grids::delays_s(experiment).into_iter().map(|time| vec![speed * time]).collect()
+}
+
 /// Beside the memory, what tells that of the viscous part in a file.
 const OF_THE_VISCOUS_PART: &str = "of_the_viscous_part";
 
@@ -169,6 +180,14 @@ pub struct ViscousMemoryInTime;
 
 impl Cause for ViscousMemoryInTime {
     marker::marked_form!(MemoryInTime, "viscous too, time", OF_THE_VISCOUS_PART);
+
+    fn refines(&self) -> bool {
+        true
+    }
+
+    fn starts(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+        times(experiment)
+    }
 
     fn curve_speed<D: Scalar>(&self, p: &[D], at: Place<'_>, speed: &mut [D]) {
         MemoryInTime.curve_speed(p, at, speed);
@@ -185,6 +204,14 @@ pub struct ViscousMemoryInDistance;
 
 impl Cause for ViscousMemoryInDistance {
     marker::marked_form!(MemoryInDistance, "viscous too, distance", OF_THE_VISCOUS_PART);
+
+    fn refines(&self) -> bool {
+        true
+    }
+
+    fn starts(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+        distances(experiment)
+    }
 
     fn curve_speed<D: Scalar>(&self, p: &[D], at: Place<'_>, speed: &mut [D]) {
         MemoryInDistance.curve_speed(p, at, speed);
@@ -209,6 +236,14 @@ impl Cause for WholeMagnitudeInTime {
         &[Requirement::Reversals]
     }
 
+    fn refines(&self) -> bool {
+        true
+    }
+
+    fn starts(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+        times(experiment)
+    }
+
     fn curve_speed<D: Scalar>(&self, p: &[D], at: Place<'_>, speed: &mut [D]) {
         MagnitudeInTime.curve_speed(p, at, speed);
     }
@@ -227,6 +262,14 @@ impl Cause for WholeMagnitudeInDistance {
 
     fn requirements(&self) -> &'static [Requirement] {
         &[Requirement::Reversals]
+    }
+
+    fn refines(&self) -> bool {
+        true
+    }
+
+    fn starts(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+        distances(experiment)
     }
 
     fn curve_speed<D: Scalar>(&self, p: &[D], at: Place<'_>, speed: &mut [D]) {

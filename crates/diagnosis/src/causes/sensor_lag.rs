@@ -49,6 +49,10 @@ impl Cause for SensorLag {
         grids::delays_s(experiment).into_iter().map(|t| vec![t]).collect()
     }
 
+    fn mistaken_for(&self) -> &'static [&'static str] {
+        &["frictional-memory"]
+    }
+
     fn lateness_s(&self, p: &[f64]) -> f64 {
         p[0]
     }
