@@ -10,7 +10,7 @@
 //! mu      = sigma0 z T + (sigma1 z' + sigma2 B w) P          T, P: c or 1 by the place of the cosine (E7)
 //! ```
 
-use crate::law::{CosinePlacement, Drive, Law};
+use crate::law::{CosinePlacement, Drive, Law, Lever};
 use crate::{Aged, Exponent, Scalar, StribeckCurve};
 
 /// Parameters on which the rate depends: kinetic level, level at rest, speed scale, exponent, lean, Coulomb asymmetry.
@@ -41,14 +41,6 @@ pub(crate) struct RateSlopes {
     pub(crate) rest_gain: f64,
     /// By the law's parameters.
     pub(crate) law: [f64; OF_THE_RATE],
-}
-
-/// c(z) and G = c(z)/h with their slopes by z.
-struct Lever {
-    projection: f64,
-    projection_z: f64,
-    gear: f64,
-    gear_z: f64,
 }
 
 /// g(u) with its slopes.
@@ -159,29 +151,6 @@ struct CoefficientSlopes {
 }
 
 impl Law<f64> {
-    #[inline(always)]
-    fn lever(&self, z: f64) -> Lever {
-        match &self.lean {
-            Some(lean) => {
-                let (sin, cos) = (z + lean.angle).sine_and_cosine();
-                let (c, c_z) = (cos * cos, sin * cos * -2.0);
-                let inverse = 1.0 / lean.height;
-                Lever {
-                    projection: c,
-                    projection_z: c_z,
-                    gear: c * inverse,
-                    gear_z: c_z * inverse,
-                }
-            }
-            None => Lever {
-                projection: 1.0,
-                projection_z: 0.0,
-                gear: 1.0,
-                gear_z: 0.0,
-            },
-        }
-    }
-
     /// z' with all its slopes.
     #[inline(always)]
     pub(crate) fn rate_with_slopes(&self, z: f64, drive: &Drive<f64>) -> RateSlopes {
@@ -189,7 +158,7 @@ impl Law<f64> {
     }
 
     #[inline(always)]
-    fn rate_at(&self, z: f64, drive: &Drive<f64>, lever: &Lever) -> RateSlopes {
+    fn rate_at(&self, z: f64, drive: &Drive<f64>, lever: &Lever<f64>) -> RateSlopes {
         let turned = self.asymmetry.filter(|a| drive.sign < 0.0 && !a.jumps);
         let factor = turned.map_or(1.0, |a| a.coulomb + 1.0);
         let curve = self

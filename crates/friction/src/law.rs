@@ -139,14 +139,17 @@ pub struct Law<D> {
     pub sign_width: f64,
 }
 
+/// c(z) and G = c(z)/h with their slopes by z; ones and zeros for a law without lean.
+pub(crate) struct Lever<D> {
+    pub(crate) projection: D,
+    pub(crate) projection_z: D,
+    pub(crate) gear: D,
+    pub(crate) gear_z: D,
+}
+
 /// What rate and coefficient have in common at one instant.
 struct Kinematics<D> {
-    /// c(z)/h and its slope in z.
-    gear: D,
-    gear_z: D,
-    /// c(z) and its slope.
-    projection: D,
-    projection_z: D,
+    lever: Lever<D>,
     /// Relative rate w.
     rate: D,
     /// g, dg/du.
@@ -300,27 +303,37 @@ impl<D: Scalar> Law<D> {
     }
 
     #[inline(always)]
-    fn kinematics(&self, z: D, drive: &Drive<D>) -> Kinematics<D> {
-        let (projection, projection_z, gear, gear_z) = match &self.lean {
+    pub(crate) fn lever(&self, z: D) -> Lever<D> {
+        match &self.lean {
             Some(lean) => {
                 // c = cos^2(z + theta0), dc/dz = -2 sin cos
                 let (sin, cos) = (z + lean.angle).sine_and_cosine();
                 let (c, c_z) = (cos * cos, sin * cos * -2.0);
-                (c, c_z, c * (1.0 / lean.height), c_z * (1.0 / lean.height))
+                let inverse = 1.0 / lean.height;
+                Lever {
+                    projection: c,
+                    projection_z: c_z,
+                    gear: c * inverse,
+                    gear_z: c_z * inverse,
+                }
             }
-            None => {
-                let (one, zero) = (D::constant(1.0), D::constant(0.0));
-                (one, zero, one, zero)
-            }
-        };
+            None => Lever {
+                projection: D::constant(1.0),
+                projection_z: D::constant(0.0),
+                gear: D::constant(1.0),
+                gear_z: D::constant(0.0),
+            },
+        }
+    }
+
+    #[inline(always)]
+    fn kinematics(&self, z: D, drive: &Drive<D>) -> Kinematics<D> {
+        let lever = self.lever(z);
         // E4: w = (v/h) cos^2(z + theta0)
-        let rate = drive.velocity * gear;
-        let (level, level_slope) = self.level(drive.curve_speed * gear, drive);
+        let rate = drive.velocity * lever.gear;
+        let (level, level_slope) = self.level(drive.curve_speed * lever.gear, drive);
         Kinematics {
-            gear,
-            gear_z,
-            projection,
-            projection_z,
+            lever,
             rate,
             level,
             level_slope,
@@ -357,9 +370,14 @@ impl<D: Scalar> Law<D> {
         let left = -signed + 1.0;
         // d(1/g)/du = -g'/g^2
         let by_level = k.rate * signed * k.level_slope * inverse;
-        let rate_z = drive.velocity * k.gear_z * left - k.rate * inverse * drive.sign
-            + by_level * drive.curve_speed * k.gear_z;
-        (k.rate * left, rate_z, k.gear * left, by_level * k.gear)
+        let rate_z = drive.velocity * k.lever.gear_z * left - k.rate * inverse * drive.sign
+            + by_level * drive.curve_speed * k.lever.gear_z;
+        (
+            k.rate * left,
+            rate_z,
+            k.lever.gear * left,
+            by_level * k.lever.gear,
+        )
     }
 
     /// mu (E7), or the force itself where no load is recorded.
@@ -392,15 +410,13 @@ impl<D: Scalar> Law<D> {
     /// state: sigma2 lead c(z)/h P (E7), P being c(z) or 1 by the place of the cosine; sigma2 lead for laws without lean.
     pub fn viscous_beyond(&self, z: D, sign: f64, lead: D) -> (D, D) {
         let plain = self.viscous_of(sign) * lead;
-        let Some(lean) = &self.lean else {
-            return (plain, D::constant(0.0));
-        };
-        let (sin, cos) = (z + lean.angle).sine_and_cosine();
-        let (c, c_z) = (cos * cos, sin * cos * -2.0);
-        let scaled = plain * (1.0 / lean.height);
-        match lean.placement {
-            CosinePlacement::AllTerms => (scaled * c * c, scaled * c * c_z * 2.0),
-            CosinePlacement::StiffnessOnly => (scaled * c, scaled * c_z),
+        let at = self.lever(z);
+        match self.lean.as_ref().map(|lean| lean.placement) {
+            Some(CosinePlacement::StiffnessOnly) => (plain * at.gear, plain * at.gear_z),
+            _ => (
+                plain * at.gear * at.projection,
+                plain * (at.gear_z * at.projection + at.gear * at.projection_z),
+            ),
         }
     }
 
@@ -418,8 +434,8 @@ impl<D: Scalar> Law<D> {
         let mu = match &self.lean {
             None => elastic + losses,
             Some(lean) => match lean.placement {
-                CosinePlacement::AllTerms => (elastic + losses) * k.projection,
-                CosinePlacement::StiffnessOnly => elastic * k.projection + losses,
+                CosinePlacement::AllTerms => (elastic + losses) * k.lever.projection,
+                CosinePlacement::StiffnessOnly => elastic * k.lever.projection + losses,
             },
         };
         (rate, mu)
@@ -466,14 +482,14 @@ impl<D: Scalar> Law<D> {
         let along_v = rate_v + rate_curve * drive.sign;
         let (stiffness, damping) = self.bristles(drive.sign);
         let losses = damping * rate + viscous * k.rate;
-        let losses_z = damping * rate_z + viscous * drive.velocity * k.gear_z;
-        let losses_v = damping * along_v + viscous * k.gear;
+        let losses_z = damping * rate_z + viscous * drive.velocity * k.lever.gear_z;
+        let losses_v = damping * along_v + viscous * k.lever.gear;
         let elastic = stiffness * z;
         let all = self
             .lean
             .as_ref()
             .is_none_or(|l| l.placement == CosinePlacement::AllTerms);
-        let (p, p_z) = (k.projection, k.projection_z);
+        let (p, p_z) = (k.lever.projection, k.lever.projection_z);
         let (mu, mu_z, mu_v) = if all {
             (
                 (elastic + losses) * p,
@@ -510,7 +526,8 @@ impl<D: Scalar> Law<D> {
         let real_drive = Drive::at(velocity.value());
         let residual = |law: &Law<f64>, z: f64| {
             let k = law.kinematics(z, &real_drive);
-            let slope = 1.0 - real_drive.sign * k.level_slope * real_drive.curve_speed * k.gear_z;
+            let slope =
+                1.0 - real_drive.sign * k.level_slope * real_drive.curve_speed * k.lever.gear_z;
             (z - real_drive.sign * k.level, slope)
         };
         let mut z = real_drive.sign * real.curve.kinetic;

@@ -1,32 +1,17 @@
 //! What drives the contact along one run: the slip speed that the stage gives it, and what of the past friction sees beside it, on the grid
 //! on which the contact is carried.
 
+use std::borrow::Cow;
+
 use friction::{Record, Scalar};
 
 use crate::chain::Pass;
 use crate::{ChainScalar, Follows, Hook, Reach, RunMotion};
 
-/// The grid of a run: its samples, or steps between them.
-pub(crate) enum Grid<'r> {
-    Recorded(&'r RunMotion),
-    Refined(Box<RunMotion>),
-}
-
-impl std::ops::Deref for Grid<'_> {
-    type Target = RunMotion;
-
-    fn deref(&self) -> &RunMotion {
-        match self {
-            Self::Recorded(motion) => motion,
-            Self::Refined(motion) => motion,
-        }
-    }
-}
-
 /// A run as the contact meets it.
 pub(crate) struct Driven<'r, D> {
-    /// The motion on the grid.
-    pub(crate) motion: Grid<'r>,
+    /// The motion on the grid: the samples, or steps between them.
+    pub(crate) motion: Cow<'r, RunMotion>,
     /// Steps of the grid from one sample to the next.
     pub(crate) parts: usize,
     /// -1 where the specimen was turned round and meets the plate the other way, else 1.
@@ -67,9 +52,9 @@ impl<D: ChainScalar> Pass<'_, D> {
             self.parts(run)
         };
         let motion = match &run.halved {
-            Some(halved) if parts == 2 => Grid::Recorded(halved),
-            _ if parts > 1 => Grid::Refined(Box::new(run.refined(parts))),
-            _ => Grid::Recorded(run),
+            Some(halved) if parts == 2 => Cow::Borrowed(halved.as_ref()),
+            _ if parts > 1 => Cow::Owned(run.refined(parts)),
+            _ => Cow::Borrowed(run),
         };
         let turn = if run.specimen_turned { -1.0 } else { 1.0 };
         let recorded = motion.velocity_m_s.iter();

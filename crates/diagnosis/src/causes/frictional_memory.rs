@@ -174,28 +174,40 @@ fn distances(experiment: &Experiment) -> Vec<Vec<f64>> {
 /// Beside the memory, what tells that of the viscous part in a file.
 const OF_THE_VISCOUS_PART: &str = "of_the_viscous_part";
 
+/// What the forms share in which the viscous part remembers too: they are asked in another cause's place, and the curve is read where `hook`
+/// reads it.
+macro_rules! viscous_form {
+    ($plain:ident, $hook:ident, $variant:literal, $marker:ident, $starts:ident, $follows:ident) => {
+        marker::marked_form!($plain, $variant, $marker);
+
+        fn refines(&self) -> bool {
+            true
+        }
+
+        fn starts(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+            $starts(experiment)
+        }
+
+        fn requirements(&self) -> &'static [Requirement] {
+            $hook.requirements()
+        }
+
+        fn curve_speed<D: Scalar>(&self, p: &[D], at: Place<'_>, speed: &mut [D]) {
+            $hook.curve_speed(p, at, speed);
+        }
+
+        fn viscous_part(&self) -> Follows {
+            Follows::$follows
+        }
+    };
+}
+
 /// Memory of the curve and of the viscous part, of a time constant.
 #[derive(Clone, Copy, Debug)]
 pub struct ViscousMemoryInTime;
 
 impl Cause for ViscousMemoryInTime {
-    marker::marked_form!(MemoryInTime, "viscous too, time", OF_THE_VISCOUS_PART);
-
-    fn refines(&self) -> bool {
-        true
-    }
-
-    fn starts(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
-        times(experiment)
-    }
-
-    fn curve_speed<D: Scalar>(&self, p: &[D], at: Place<'_>, speed: &mut [D]) {
-        MemoryInTime.curve_speed(p, at, speed);
-    }
-
-    fn viscous_part(&self) -> Follows {
-        Follows::TheCurve
-    }
+    viscous_form!(MemoryInTime, MemoryInTime, "viscous too, time", OF_THE_VISCOUS_PART, times, TheCurve);
 }
 
 /// Memory of the curve and of the viscous part, of a distance.
@@ -203,23 +215,7 @@ impl Cause for ViscousMemoryInTime {
 pub struct ViscousMemoryInDistance;
 
 impl Cause for ViscousMemoryInDistance {
-    marker::marked_form!(MemoryInDistance, "viscous too, distance", OF_THE_VISCOUS_PART);
-
-    fn refines(&self) -> bool {
-        true
-    }
-
-    fn starts(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
-        distances(experiment)
-    }
-
-    fn curve_speed<D: Scalar>(&self, p: &[D], at: Place<'_>, speed: &mut [D]) {
-        MemoryInDistance.curve_speed(p, at, speed);
-    }
-
-    fn viscous_part(&self) -> Follows {
-        Follows::TheCurve
-    }
+    viscous_form!(MemoryInDistance, MemoryInDistance, "viscous too, distance", OF_THE_VISCOUS_PART, distances, TheCurve);
 }
 
 /// Beside the memory, what tells that of the magnitude and of the viscous part in a file.
@@ -230,27 +226,7 @@ const OF_BOTH: &str = "of_the_magnitude_and_the_viscous_part";
 pub struct WholeMagnitudeInTime;
 
 impl Cause for WholeMagnitudeInTime {
-    marker::marked_form!(MemoryInTime, "magnitude, viscous too, time", OF_BOTH);
-
-    fn requirements(&self) -> &'static [Requirement] {
-        &[Requirement::Reversals]
-    }
-
-    fn refines(&self) -> bool {
-        true
-    }
-
-    fn starts(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
-        times(experiment)
-    }
-
-    fn curve_speed<D: Scalar>(&self, p: &[D], at: Place<'_>, speed: &mut [D]) {
-        MagnitudeInTime.curve_speed(p, at, speed);
-    }
-
-    fn viscous_part(&self) -> Follows {
-        Follows::ItsSize
-    }
+    viscous_form!(MemoryInTime, MagnitudeInTime, "magnitude, viscous too, time", OF_BOTH, times, ItsSize);
 }
 
 /// Memory of the magnitude of the speed, of the curve and of the viscous part, of a distance.
@@ -258,25 +234,5 @@ impl Cause for WholeMagnitudeInTime {
 pub struct WholeMagnitudeInDistance;
 
 impl Cause for WholeMagnitudeInDistance {
-    marker::marked_form!(MemoryInDistance, "magnitude, viscous too, distance", OF_BOTH);
-
-    fn requirements(&self) -> &'static [Requirement] {
-        &[Requirement::Reversals]
-    }
-
-    fn refines(&self) -> bool {
-        true
-    }
-
-    fn starts(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
-        distances(experiment)
-    }
-
-    fn curve_speed<D: Scalar>(&self, p: &[D], at: Place<'_>, speed: &mut [D]) {
-        MagnitudeInDistance.curve_speed(p, at, speed);
-    }
-
-    fn viscous_part(&self) -> Follows {
-        Follows::ItsSize
-    }
+    viscous_form!(MemoryInDistance, MagnitudeInDistance, "magnitude, viscous too, distance", OF_BOTH, distances, ItsSize);
 }
