@@ -99,6 +99,18 @@ pub enum Remembers {
     ViscousToo,
 }
 
+/// Where a play opens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Opens {
+    /// Where the motion turns within a run.
+    WhereItTurns,
+    /// There, and before a run that goes against the one before it.
+    FromRunToRun,
+    /// Where the contact has no force left after a turn.
+    WithoutForce,
+}
+
 /// Which filter a channel has.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -205,8 +217,8 @@ pub enum Effect {
     },
     /// The level at rest grows with the logarithm of the rest before the run.
     DwellAgeing { per_decade: f64, ends: Ageing },
-    /// Play between stage and contact; `carried`: a run that goes against the one before it has to cross it first.
-    Backlash { gap_m: f64, carried: bool },
+    /// Play between stage and contact.
+    Backlash { gap_m: f64, opens: Opens },
     /// The velocity channel is filtered.
     VelocityLag {
         time_constant_s: f64,

@@ -13,6 +13,7 @@ pub mod machine;
 pub mod motion;
 pub mod package;
 pub mod plan;
+mod play;
 pub mod protocols;
 pub mod published;
 pub mod roughness;

@@ -4,11 +4,12 @@
 //! day, the sampling and the electronics. The integration is far finer than the record.
 
 use crate::contact::{Contact, History, Layout, Rocking};
-use crate::effect::{Effect, Remembers, Settling};
+use crate::effect::{Effect, Opens, Remembers, Settling};
 use crate::integrator::Integrator;
 use crate::law::Law;
-use crate::motion::Play;
+use crate::motion::{Motion, Play};
 use crate::plan::{Noise, Plan, RunPlan};
+use crate::play::held_after_turns;
 use crate::roughness::{Field, Grain, Tails, stream};
 
 /// Standard gravity, m/s^2 (CGPM 1901, exact).
@@ -153,23 +154,7 @@ fn record_run(
     let path_m = run.motion.breakpoints().windows(2).fold(0.0, |sum, pair| {
         sum + (run.motion.position(pair[1]) - run.motion.position(pair[0])).abs()
     });
-    let gap = rig.effects.iter().find_map(|effect| match effect {
-        Effect::Backlash { gap_m, carried } => Some((*gap_m, *carried)),
-        _ => None,
-    });
-    let plate_motion = match gap {
-        None => run.motion.clone(),
-        Some((gap_m, carried)) => {
-            let mut play = if carried {
-                history.play
-            } else {
-                Play::default()
-            };
-            let behind = run.motion.behind_play(gap_m, &mut play);
-            history.play = play;
-            behind
-        }
-    };
+    let plate_motion = behind_play(rig, run, history);
     let mut contact = Contact {
         rig,
         plan: run,
@@ -199,6 +184,24 @@ fn record_run(
     bend_after(rig, run, history);
     spoil_reading(rig, noise, &mut recording.force_n, seed, purpose + 5);
     recording
+}
+
+/// The motion of a run behind the rig's play, if it has one.
+fn behind_play(rig: &Rig, run: &RunPlan, history: &mut History) -> Motion {
+    let play = rig.effects.iter().find_map(|effect| match effect {
+        Effect::Backlash { gap_m, opens } => Some((*gap_m, *opens)),
+        _ => None,
+    });
+    let (motion, mut fresh) = (&run.motion, Play::default());
+    match play {
+        None => motion.clone(),
+        Some((gap_m, Opens::WhereItTurns)) => motion.behind_play(gap_m, &[], &mut fresh),
+        Some((gap_m, Opens::FromRunToRun)) => motion.behind_play(gap_m, &[], &mut history.play),
+        Some((gap_m, Opens::WithoutForce)) => {
+            let held = held_after_turns(&rig.law, motion, gap_m);
+            motion.behind_play(gap_m, &held, &mut fresh)
+        }
+    }
 }
 
 /// Rest before a run, s; before the first run the specimen rested as long as it usually does between runs.

@@ -10,11 +10,12 @@ struct Piece {
     x0: f64,
 }
 
-/// How a play stands: the direction in which it is taken up (0: of the next motion), and the distance still to cross before the
-/// follower moves, m.
+/// How a play stands: the direction in which it is taken up (0: of the next motion), the distance over which it still holds after
+/// a turn before it opens, and the distance then to cross before the follower moves, m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Play {
     heading: f64,
+    held: f64,
     slack: f64,
 }
 
@@ -117,64 +118,97 @@ impl Motion {
         times
     }
 
-    /// The motion behind a play of width `gap`: after every reversal it rests until the gap is crossed. `play` is how it stands
-    /// before the motion and takes how it stands after it.
-    pub fn behind_play(&self, gap: f64, play: &mut Play) -> Self {
+    /// The motion behind a play of width `gap`: after every reversal it rests until the gap is crossed. The gap opens where the motion
+    /// turns, or after the next of the distances `held` (m) from there. `play` is how it stands before the motion and takes how it
+    /// stands after it.
+    pub fn behind_play(&self, gap: f64, held: &[f64], play: &mut Play) -> Self {
         let mut points: Vec<Piece> = Vec::new();
         let mut x = 0.0;
-        let Play {
-            mut heading,
-            mut slack,
-        } = *play;
-        let mut push = |t0: f64, t1: f64, v0: f64, v1: f64, x: &mut f64| {
+        let mut held = held.iter().copied();
+        let mut push = |(t0, v0): (f64, f64), (t1, v1): (f64, f64)| {
             if t1 > t0 {
                 points.push(Piece {
                     t0,
                     t1,
                     v0,
                     v1,
-                    x0: *x,
+                    x0: x,
                 });
-                *x += 0.5 * (v0 + v1) * (t1 - t0);
+                x += 0.5 * (v0 + v1) * (t1 - t0);
             }
         };
         let edges = self.breakpoints();
         for pair in edges.windows(2) {
-            let (t0, t1) = (pair[0], pair[1]);
-            let inside = 0.5 * (t0 + t1);
-            let (v0, v1) = (self.speed_within(t0, inside), self.speed_within(t1, inside));
-            let sign = (v0 + v1).signum() * f64::from((v0 + v1) != 0.0);
-            if sign == 0.0 {
-                push(t0, t1, 0.0, 0.0, &mut x);
+            let inside = 0.5 * (pair[0] + pair[1]);
+            let [start, end] = [pair[0], pair[1]].map(|t| (t, self.speed_within(t, inside)));
+            let sum = start.1 + end.1;
+            if sum == 0.0 {
+                push((start.0, 0.0), (end.0, 0.0));
                 continue;
             }
-            if heading == 0.0 {
-                heading = sign;
-            } else if sign != heading {
-                slack = gap - slack;
-                heading = sign;
-            }
-            let travel = 0.5 * (v0 + v1).abs() * (t1 - t0);
-            if travel <= slack {
-                slack -= travel;
-                push(t0, t1, 0.0, 0.0, &mut x);
-                continue;
-            }
-            // Moment at which the gap is crossed: slack = |v0| u + a u^2 / 2 with a = (|v1| - |v0|)/(t1 - t0).
-            let a = (v1.abs() - v0.abs()) / (t1 - t0);
-            let u = if slack == 0.0 {
-                0.0
-            } else {
-                2.0 * slack / (v0.abs() + (v0 * v0 + 2.0 * a * slack).max(0.0).sqrt())
-            };
-            slack = 0.0;
-            let v = v0 + (v1 - v0) * u / (t1 - t0);
-            push(t0, t0 + u, 0.0, 0.0, &mut x);
-            push(t0 + u, t1, v, v1, &mut x);
+            play.turn(sum.signum(), gap, || held.next().unwrap_or(0.0));
+            let opens = after(start, end, &mut play.held);
+            push(start, opens);
+            let closes = after(opens, end, &mut play.slack);
+            push((opens.0, 0.0), (closes.0, 0.0));
+            push(closes, end);
         }
-        *play = Play { heading, slack };
         Self { pieces: points }
     }
+
+    /// Times at which the motion turns.
+    pub fn turns(&self) -> Vec<f64> {
+        let mut turns = Vec::new();
+        let mut heading = 0.0;
+        for pair in self.breakpoints().windows(2) {
+            let sign = self.speed(0.5 * (pair[0] + pair[1]));
+            if heading * sign < 0.0 {
+                turns.push(pair[0]);
+            }
+            if sign != 0.0 {
+                heading = sign;
+            }
+        }
+        turns
+    }
+}
+
+impl Play {
+    /// Motion with this sign follows; `held`: the distance over which a play that is taken up holds after a turn.
+    fn turn(&mut self, sign: f64, gap: f64, held: impl FnOnce() -> f64) {
+        if sign == self.heading {
+            return;
+        }
+        if self.held > 0.0 {
+            // It had not opened: the same side pulls again.
+            self.held = 0.0;
+            self.slack = 0.0;
+        } else if self.heading != 0.0 {
+            if self.slack == 0.0 {
+                self.held = held();
+            }
+            self.slack = gap - self.slack;
+        }
+        self.heading = sign;
+    }
+}
+
+/// (time, speed) at which `way` is gone between two points of one piece, or the end of it; `way` takes what is left.
+fn after(start: (f64, f64), end: (f64, f64), way: &mut f64) -> (f64, f64) {
+    let ((t0, v0), (t1, v1)) = (start, end);
+    let travel = 0.5 * (v0 + v1).abs() * (t1 - t0);
+    if travel <= *way {
+        *way -= travel;
+        return end;
+    }
+    if *way == 0.0 {
+        return start;
+    }
+    // way = |v0| u + a u^2 / 2 with a = (|v1| - |v0|)/(t1 - t0)
+    let a = (v1.abs() - v0.abs()) / (t1 - t0);
+    let u = 2.0 * *way / (v0.abs() + (v0 * v0 + 2.0 * a * *way).max(0.0).sqrt());
+    *way = 0.0;
+    (t0 + u, v0 + (v1 - v0) * u / (t1 - t0))
 }
 
 #[cfg(test)]
@@ -201,7 +235,7 @@ mod tests {
             (5.0, 0.01),
         ]);
         let mut play = Play::default();
-        let behind = there_and_back.behind_play(1e-3, &mut play);
+        let behind = there_and_back.behind_play(1e-3, &[], &mut play);
         let expected = there_and_back.position(5.0);
         // One reversal loses +gap, the second gives it back.
         assert!((behind.position(5.0) - expected).abs() < 1e-12);
@@ -209,10 +243,39 @@ mod tests {
         // It ended forward with the play taken up: forward again nothing is lost, in reverse the gap is crossed anew.
         let on = Motion::through(&[(0.0, 0.0), (1.0, 0.02)]);
         let back = Motion::through(&[(0.0, 0.0), (1.0, -0.02)]);
-        assert_eq!(on.behind_play(1e-3, &mut play), on);
+        assert_eq!(on.behind_play(1e-3, &[], &mut play), on);
         assert!(
-            (back.behind_play(1e-3, &mut play).position(1.0) - (back.position(1.0) + 1e-3)).abs()
+            (back.behind_play(1e-3, &[], &mut play).position(1.0) - (back.position(1.0) + 1e-3))
+                .abs()
                 < 1e-12
         );
+    }
+    /// A play that holds for a while loses its gap later, and none where the motion turns again before it opens.
+    #[test]
+    fn play_that_holds_opens_later() {
+        let turns_twice = |back_s: f64| {
+            Motion::through(&[
+                (0.0, 0.01),
+                (1.0, 0.01),
+                (1.0 + 1e-9, -0.01),
+                (1.0 + back_s, -0.01),
+                (1.0 + back_s + 1e-9, 0.01),
+                (4.0, 0.01),
+            ])
+        };
+        let behind = |motion: &Motion| {
+            let mut play = Play::default();
+            motion.behind_play(1e-3, &[5e-4, 5e-4], &mut play)
+        };
+        let long = turns_twice(1.0);
+        assert_eq!(long.turns().len(), 2);
+        // 0.5 mm are followed, 1 mm is lost.
+        let at = |time: f64| behind(&long).position(time) - long.position(time);
+        assert!(at(1.049).abs() < 1e-9, "{}", at(1.049));
+        assert!((at(1.1) - 0.5e-3).abs() < 1e-8, "{}", at(1.1));
+        assert!((at(1.9) - 1e-3).abs() < 1e-8, "{}", at(1.9));
+        assert!(at(3.9).abs() < 1e-8, "{}", at(3.9));
+        let short = turns_twice(0.04);
+        assert!((behind(&short).position(4.0) - short.position(4.0)).abs() < 1e-9);
     }
 }

@@ -1,7 +1,7 @@
 //! Draws an effect of a named kind: its size as a multiple of a physically plausible one, its other parameters
 //! (periods, phases, time constants) at random within what such rigs show.
 
-use crate::effect::{Ageing, Clock, Course, Effect, Filter, Remembers, Settling, Wave};
+use crate::effect::{Ageing, Clock, Course, Effect, Filter, Opens, Remembers, Settling, Wave};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
@@ -248,7 +248,11 @@ pub fn draw(
         },
         "backlash" => Effect::Backlash {
             gap_m: 0.15 * size * scales.build_up_m,
-            carried: second,
+            opens: match (second, share < 0.5) {
+                (false, _) => Opens::WhereItTurns,
+                (true, true) => Opens::FromRunToRun,
+                (true, false) => Opens::WithoutForce,
+            },
         },
         "velocity-lag" => Effect::VelocityLag {
             time_constant_s: 0.1 * size,

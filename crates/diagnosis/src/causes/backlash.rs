@@ -1,10 +1,10 @@
 //! Play: after every reversal of the stage the specimen stays behind until the gap (m) is crossed. A run starts with the play
 //! taken up in the direction of its first motion; or the play stands as the run before left it, so that a run against that one
-//! crosses the gap first.
+//! crosses the gap first; or it opens only where the joint has no force left, some way after the turn.
 
 use std::collections::BTreeMap;
 
-use friction::{ParameterSpec, Scalar};
+use friction::{LawKind, ParameterSpec, Scalar};
 use rig::{Cause, Experiment, Place, Reach, Reported, Requirement, RunMotion, Station};
 
 use super::{grids, marker};
@@ -204,6 +204,66 @@ fn give_way<D: Scalar>(gap: D, softness: D, slack: &mut D, path: D) {
     }
 }
 
+/// A play that stays closed as long as the joint is pulled: bent bristles hold it over a way after the turn, and only then the gap is
+/// crossed.
+#[derive(Clone, Copy, Debug)]
+pub struct HeldBacklash;
+
+const HELD: ParameterSpec =
+    ParameterSpec::new("held_m", "m", "way after a turn over which the play stays closed", 0.0, 1e9, 1e-4);
+
+impl Cause for HeldBacklash {
+    marker::form_of!(Backlash, "opens without force");
+
+    fn parameters(&self) -> &'static [ParameterSpec] {
+        const ALL: &[ParameterSpec] = &[GAP, HELD];
+        ALL
+    }
+
+    fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
+        let travel = experiment.scales.travel_m;
+        let mut specs = bounds(experiment);
+        specs.push(grids::bounded(&HELD, 0.0, 0.9 * travel, 0.01 * travel));
+        specs
+    }
+
+    fn requirements(&self) -> &'static [Requirement] {
+        Backlash.requirements()
+    }
+
+    /// Without a stretch before sliding the force is gone where the motion turns.
+    fn applies_to(&self, law: LawKind) -> bool {
+        !matches!(law, LawKind::CoulombViscous | LawKind::Stribeck)
+    }
+
+    fn shape_grid(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+        holds(experiment, 8).into_iter().map(|held| vec![0.0, held]).collect()
+    }
+
+    fn starts(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+        let of_gap = |gap: Vec<f64>| holds(experiment, 4).into_iter().map(move |held| vec![gap[0], held]);
+        [gaps(experiment).swap_remove(1), gaps(experiment).swap_remove(2)].into_iter().flat_map(of_gap).collect()
+    }
+
+    fn stepped(&self) -> Option<usize> {
+        Some(0)
+    }
+
+    fn steps_a_sample(&self, p: &[f64], run: &RunMotion) -> usize {
+        Backlash.steps_a_sample(p, run)
+    }
+
+    fn stage<D: Scalar>(&self, p: &[D], at: Place<'_>, velocity: &mut [D]) {
+        cross_held(p[0], p[1], at.run, velocity);
+    }
+}
+
+/// Ways over which bent bristles hold a play closed, m.
+fn holds(experiment: &Experiment, n: usize) -> Vec<f64> {
+    let travel = experiment.scales.travel_m;
+    grids::logarithmic(1e-4 * travel, 3e-2 * travel, n)
+}
+
 fn bounds(experiment: &Experiment) -> Vec<ParameterSpec> {
     let travel = experiment.scales.travel_m;
     vec![grids::bounded(&PARAMETERS[0], 0.0, 0.9 * travel, 0.01 * travel)]
@@ -237,8 +297,7 @@ fn follow<D: Scalar>(
     lost: impl Fn(&mut D, D) -> D,
 ) {
     let mut slack = D::constant(0.0);
-    let n = velocity.len();
-    for i in 0..n {
+    for i in 0..velocity.len() {
         let v = velocity[i];
         if v.value() == 0.0 {
             continue;
@@ -248,10 +307,7 @@ fn follow<D: Scalar>(
             slack = gap - slack;
         }
         heading = sign;
-        // path of this sample's share of the record: the trapezium's weight
-        let before = if i > 0 { time[i] - time[i - 1] } else { 0.0 };
-        let after = if i + 1 < n { time[i + 1] - time[i] } else { 0.0 };
-        let path = v * (sign * 0.5 * (before + after));
+        let path = v * (sign * weight_s(time, i));
         let lost = lost(&mut slack, path);
         velocity[i] = if lost.value() == path.value() {
             D::constant(0.0)
@@ -259,6 +315,70 @@ fn follow<D: Scalar>(
             v * (-(lost / path) + 1.0)
         };
     }
+}
+
+/// A gap that opens `held` after a turn: of the way at s after it the share of [s - d/2, s + d/2] is lost that lies within
+/// [held, held + gap]. d is what the stage goes from sample to sample, for where between two of them the play opens no record tells; a
+/// sample is not taken while a gap is crossed that is narrower than half of it.
+fn cross_held<D: Scalar>(gap: D, held: D, run: &RunMotion, velocity: &mut [D]) {
+    let none = D::constant(0.0);
+    let parts = run.steps_a_sample;
+    let mut heading = 0.0;
+    // Where the gap lies after the last turn, and the way since; taken up: nothing is to be crossed.
+    let mut ahead: Option<[D; 2]> = None;
+    let mut gone = none;
+    for i in 0..velocity.len() {
+        let v = velocity[i];
+        if v.value() == 0.0 {
+            continue;
+        }
+        let sign = v.value().signum();
+        if heading * sign < 0.0 {
+            ahead = match ahead {
+                // It had not opened: the same side pulls again.
+                Some([from, _]) if gone.value() <= from.value() => None,
+                // What was crossed is crossed back.
+                Some([from, to]) if gone.value() < to.value() => Some([none, gone - from]),
+                _ => Some([held, held + gap]),
+            };
+            gone = none;
+        }
+        heading = sign;
+        let step = v * (sign * weight_s(&run.time_s, i));
+        let window = step * parts as f64;
+        let middle = gone + step * 0.5;
+        gone += step;
+        let Some([from, to]) = ahead else { continue };
+        let near = larger(middle - window * 0.5, from);
+        let far = smaller(middle + window * 0.5, to);
+        if far.value() < near.value() {
+            continue;
+        }
+        let lost = (far - near) / window;
+        let narrow = (to - from).value() < 0.5 * window.value();
+        velocity[i] = match (parts > 1 && i.is_multiple_of(parts), narrow) {
+            (true, true) => v,
+            (true, false) => if lost.value() > 0.5 { none } else { v },
+            // The others take over what the sample does not lose.
+            (false, true) if parts > 1 => v * (-lost * (parts as f64 / (parts - 1) as f64) + 1.0),
+            (false, _) => v * (-lost + 1.0),
+        };
+    }
+}
+
+fn larger<D: Scalar>(a: D, b: D) -> D {
+    if a.value() > b.value() { a } else { b }
+}
+
+fn smaller<D: Scalar>(a: D, b: D) -> D {
+    if a.value() < b.value() { a } else { b }
+}
+
+/// The share of the record that a sample stands for, s: the trapezium's weight.
+fn weight_s(time: &[f64], i: usize) -> f64 {
+    let before = if i > 0 { time[i] - time[i - 1] } else { 0.0 };
+    let after = if i + 1 < time.len() { time[i + 1] - time[i] } else { 0.0 };
+    0.5 * (before + after)
 }
 
 #[cfg(test)]

@@ -215,7 +215,7 @@ pub(super) enum More {
 }
 
 /// Least and most smoothing that is searched: below, no sample shows it; above, the covariance does not change any more.
-const SMOOTHINGS: (f64, f64) = (0.05, 0.95);
+const SMOOTHINGS: (f64, f64) = (0.004, 0.95);
 /// Spacing of the plate's nodes over their own on which the sizes are searched for first: near enough for a few steps on the fine
 /// grid to end the search, at a fraction of its price.
 pub(super) const COARSE: f64 = 3.0;

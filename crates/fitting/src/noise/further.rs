@@ -9,7 +9,13 @@ use super::search::Minimum;
 
 /// Smoothings that are tried beside exponential roughness, and lengths over which the roughness is alike as shares of the one found
 /// (exponential roughness makes up for what it lacks in smoothness by length).
-const PROBES: [(f64, f64); 4] = [(0.15, 1.0), (0.6, 1.0), (0.6, 0.4), (0.6, 0.15)];
+const PROBES: [(f64, f64); 5] = [
+    (0.02, 1.0),
+    (0.15, 1.0),
+    (0.6, 1.0),
+    (0.6, 0.4),
+    (0.6, 0.15),
+];
 /// Smoothings of the plate's roughness that are tried beside that of both, and by how much there is more of it then (what was alike had to
 /// be little where the plate is smoother).
 const PLATE_PROBES: [(f64, f64); 3] = [(0.3, 1.0), (0.7, 1.0), (0.7, 1.6)];

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 /// Step of the differences.
-const STEP: f64 = 0.02;
+const STEP: f64 = 0.002;
 /// A step that promises to lower -2 log likelihood by less than this is not worth taking.
 const PROMISE: f64 = 0.02;
 

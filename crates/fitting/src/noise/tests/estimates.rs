@@ -26,6 +26,13 @@ fn estimates(context: &Context, sizes: &Sizes, first_seed: u64) -> Vec<Sizes> {
 fn smooth_roughness_is_told_from_exponential_roughness() {
     let context = ramps(240, 3);
     let [plain, smooth] = [SIZES, SMOOTH].map(|sizes| estimates(&context, &sizes, 40));
+    eprintln!(
+        "{:?}",
+        plain
+            .iter()
+            .map(|s| (s.smoothing, s.length))
+            .collect::<Vec<_>>()
+    );
     assert!(plain.iter().all(|s| s.smoothing < 0.3), "{plain:?}");
     assert!(smooth.iter().all(|s| s.smoothing > 0.4), "{smooth:?}");
     // The length over which the roughness is alike, l (1 + rho), and its size.
