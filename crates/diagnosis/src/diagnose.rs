@@ -18,7 +18,7 @@ use crate::gain::{self, Gains};
 use crate::integrity::inspect;
 use crate::laws;
 use crate::prepare::bench;
-use crate::refusal::{refuse_beaten, take_all_back};
+use crate::refusal::{refuse_beaten, take_all_back, take_one_back};
 use crate::rises::straighter_than_the_law;
 use crate::selection::{Depth, Selected, select};
 use crate::settled::law_alone;
@@ -129,11 +129,23 @@ pub fn diagnose_fully(
         whole = Whole::of(&recorded, bench, &selected);
     }
     let mut answer = assemble(&whole, &selected, &contests, &integrity);
+    let judge = |whole: &Whole<'_>, selected: &Selected, contests: &[Contest], floor: f64| {
+        let ties: Vec<Vec<usize>> = contests.iter().map(Contest::tied).collect();
+        gain::judge(bench, whole, selected, &ties, floor)
+    };
     let mut gains = None;
     if !options.quick {
-        let ties: Vec<Vec<usize>> = contests.iter().map(Contest::tied).collect();
-        let floor = answer.noise_floor.rmse;
-        gains = gain::judge(bench, &whole, &selected, &ties, floor);
+        gains = judge(&whole, &selected, &contests, answer.noise_floor.rmse);
+        while let Some(k) = gains.as_ref().and_then(Gains::surplus) {
+            let Some(taken) = take_one_back(bench, &mut selected, k) else {
+                break;
+            };
+            contests = self::contests(bench, &mut selected);
+            whole = Whole::of(&recorded, bench, &selected);
+            answer = assemble(&whole, &selected, &contests, &integrity);
+            answer.notes.push(taken);
+            gains = judge(&whole, &selected, &contests, answer.noise_floor.rmse);
+        }
     }
     if let Some(against) = gains.as_ref().and_then(Gains::speak_against) {
         let named = selected.stand.fitted.effects.iter();

@@ -77,6 +77,30 @@ impl Gains {
         ((doubtful || lost) && !plain).then_some("gains nothing that is seen")
     }
 
+    /// Of several names the one that gains least of its own on unseen runs, where that is less than half of what is there and no more than
+    /// scrambled signatures do: it came in beside the others and is not seen without its own force.
+    pub(crate) fn surplus(&self) -> Option<usize> {
+        let least = |gain: &&(usize, &Gain)| {
+            let beaten = gain
+                .1
+                .placebo_exceeded
+                .is_some_and(|beaten| beaten < BEATEN);
+            beaten
+                && gain
+                    .1
+                    .explained_fraction
+                    .is_none_or(|share| share < POSSIBLE)
+        };
+        let share = |gain: &Gain| gain.explained_fraction.unwrap_or(0.0);
+        let each = self.each.iter().enumerate();
+        let known: Vec<(usize, &Gain)> = each
+            .filter_map(|(k, gain)| Some((k, gain.as_ref()?)))
+            .collect();
+        let surplus = known.iter().filter(least);
+        let least = surplus.min_by(|a, b| share(a.1).total_cmp(&share(b.1)));
+        least.map(|(k, _)| *k).filter(|_| self.each.len() > 1)
+    }
+
     /// What is left of them where the names were taken back.
     pub(crate) fn of_the_law(self) -> Self {
         Self {

@@ -8,7 +8,9 @@ use crate::foreign::{beside_the_noise_of, strangest};
 use crate::general::Lack;
 use crate::left::lack;
 use crate::marks;
+use crate::scan::Scan;
 use crate::selection::{ALPHA_GENERAL, MOST_EFFECTS, SHAPE_TOLERANCE, Selected, Single, strict};
+use crate::settled::{likely_scatter, settle};
 use crate::stand::Stand;
 use crate::uniform::is_uniform;
 
@@ -18,6 +20,9 @@ const DOMINANT: f64 = 0.95;
 const DOMINANT_PAIR: f64 = 0.95;
 /// The same of three: beside a rest they are as little to be believed as four, unless it is what their shapes may be wrong by.
 const DOMINANT_TRIPLE: f64 = 1.0 - SHAPE_TOLERANCE * SHAPE_TOLERANCE;
+
+/// Steps of a fit with one name less.
+const STEPS: u64 = 30;
 
 /// Runs with a law of their own are looked at closely from this share on of what all named causes explain.
 const NEAR: f64 = 0.5;
@@ -135,6 +140,32 @@ fn stand_with(bench: &Bench<'_>, selected: &mut Selected, fitted: Fitted) {
     let sizes = selected.stand.sizes;
     selected.stand = Stand::new(bench, &selected.subset, fitted, sizes);
     selected.left = lack(bench, &selected.subset, &selected.stand);
+}
+
+/// All but the k-th cause stay named. Returns what the reader is told; `None` where the others cannot be fitted.
+pub(crate) fn take_one_back(
+    bench: &Bench<'_>,
+    selected: &mut Selected,
+    k: usize,
+) -> Option<String> {
+    let (stand, subset) = (&selected.stand, &selected.subset);
+    let id = |effect: usize| bench.catalogue[effect].id();
+    let mut rest = stand.fitted.effects.clone();
+    let taken = id(rest.remove(k));
+    let context = subset.context_of(bench, &stand.fitted);
+    let whitener = stand.whitener.with_scatter(&context, likely_scatter(stand));
+    let start = stand.fitted.without(k);
+    let fit = bench.fit(subset, &rest, &start, &whitener, None, STEPS)?;
+    let found = Scan::empty(bench, Some(stand.sizes));
+    selected.stand = settle(bench, subset, &fit, &found)?;
+    selected.left = lack(bench, &selected.subset, &selected.stand);
+    selected.entry_log_p.truncate(rest.len());
+    keep_dominant(bench, selected);
+    let beside: Vec<&str> = rest.into_iter().map(id).collect();
+    Some(format!(
+        "{taken} came in beside {}, but on unseen runs it gains no more than scrambled ones: not named",
+        beside.join(", ")
+    ))
 }
 
 /// The law alone again; what was seen stays seen.
