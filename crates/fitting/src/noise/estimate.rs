@@ -214,7 +214,8 @@ pub(super) enum More {
     PlateRatio,
 }
 
-/// Least and most smoothing that is searched: below, no sample shows it; above, the covariance does not change any more.
+/// Least and most smoothing that is searched: below, no sample shows it (slow ones show one of a fiftieth, and a bound above that is paid for
+/// by length, for over short ways roughness does what smoothing times length squared says); above, the covariance does not change any more.
 const SMOOTHINGS: (f64, f64) = (0.004, 0.95);
 /// Spacing of the plate's nodes over their own on which the sizes are searched for first: near enough for a few steps on the fine
 /// grid to end the search, at a fraction of its price.

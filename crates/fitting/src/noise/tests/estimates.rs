@@ -21,20 +21,17 @@ fn estimates(context: &Context, sizes: &Sizes, first_seed: u64) -> Vec<Sizes> {
     draws.map(|r| estimated(context, &r)).collect()
 }
 
-/// Whether roughness is smooth is seen: its share is found, and exponential roughness stays exponential (or nearly so).
+/// Whether roughness is smooth is seen: exponential roughness stays exponential (or nearly so), and smooth roughness does not.
 #[test]
 fn smooth_roughness_is_told_from_exponential_roughness() {
     let context = ramps(240, 3);
     let [plain, smooth] = [SIZES, SMOOTH].map(|sizes| estimates(&context, &sizes, 40));
-    eprintln!(
-        "{:?}",
-        plain
-            .iter()
-            .map(|s| (s.smoothing, s.length))
-            .collect::<Vec<_>>()
-    );
-    assert!(plain.iter().all(|s| s.smoothing < 0.3), "{plain:?}");
-    assert!(smooth.iter().all(|s| s.smoothing > 0.4), "{smooth:?}");
+    assert!(plain.iter().all(|s| s.smoothing < 0.05), "{plain:?}");
+    // Of both lengths little but their product and their sum is known: 0.21 to 0.82 of these fields.
+    assert!(smooth.iter().all(|s| s.smoothing > 0.15), "{smooth:?}");
+    // Sizes have no bias: of eight fields the mean length is known to some four percent.
+    let length = plain.iter().map(|s| s.length.ln()).sum::<f64>() / 8.0;
+    assert!((length - SIZES.length.ln()).abs() < 0.06, "{plain:?}");
     // The length over which the roughness is alike, l (1 + rho), and its size.
     let alike = |s: &Sizes| (s.length * (1.0 + s.smoothing)).ln();
     let size = |s: &Sizes| 0.5 * (s.private.powi(2) + s.plate.powi(2)).ln();
