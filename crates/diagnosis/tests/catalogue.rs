@@ -235,6 +235,7 @@ const VOCABULARY: [(&str, &str, &[&str]); 64] = [
     ("backlash", "coupling", &["gap_m"]),
     ("backlash", "coupling", &["gap_m", "carried_between_runs"]),
     ("backlash", "coupling", &["gap_m", "softness"]),
+    ("backlash", "coupling", &["gap_m", "held_m"]),
     ("velocity-lag", "sensor", &["time_constant_s"]),
     (
         "velocity-lag",

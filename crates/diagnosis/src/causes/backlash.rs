@@ -237,12 +237,12 @@ impl Cause for HeldBacklash {
     }
 
     fn shape_grid(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
-        holds(experiment, 8).into_iter().map(|held| vec![0.0, held]).collect()
+        holds(experiment).into_iter().map(|held| vec![0.0, held]).collect()
     }
 
     fn starts(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
-        let of_gap = |gap: Vec<f64>| holds(experiment, 4).into_iter().map(move |held| vec![gap[0], held]);
-        [gaps(experiment).swap_remove(1), gaps(experiment).swap_remove(2)].into_iter().flat_map(of_gap).collect()
+        let of_gap = |gap: Vec<f64>| holds(experiment).into_iter().map(move |held| vec![gap[0], held]);
+        gaps(experiment).into_iter().skip(1).take(2).flat_map(of_gap).collect()
     }
 
     fn stepped(&self) -> Option<usize> {
@@ -258,10 +258,35 @@ impl Cause for HeldBacklash {
     }
 }
 
-/// Ways over which bent bristles hold a play closed, m.
-fn holds(experiment: &Experiment, n: usize) -> Vec<f64> {
-    let travel = experiment.scales.travel_m;
-    grids::logarithmic(1e-4 * travel, 3e-2 * travel, n)
+/// Ways over which bent bristles may hold a play closed, m: about that after which the recorded force changes its sign.
+fn holds(experiment: &Experiment) -> Vec<f64> {
+    let mut ways: Vec<f64> = experiment.runs.iter().flat_map(|run| ways_to_release(experiment, run)).collect();
+    ways.sort_by(f64::total_cmp);
+    match ways.get(ways.len() / 2) {
+        Some(&way) if way > 0.0 => [0.7, 0.9, 1.1, 1.4].map(|share| share * way).to_vec(),
+        _ => grids::logarithmic(1e-4 * experiment.scales.travel_m, 3e-2 * experiment.scales.travel_m, 4),
+    }
+}
+
+/// Ways from the turns of a run to where the force has the sign of the motion again, m.
+fn ways_to_release(experiment: &Experiment, run: &RunMotion) -> Vec<f64> {
+    let force = &experiment.measured_n[run.samples.clone()];
+    let (mut heading, mut turned_m) = (0.0, None);
+    let mut ways = Vec::new();
+    for ((&v, &f), &at_m) in run.velocity_m_s.iter().zip(force).zip(&run.distance_m) {
+        if v == 0.0 {
+            continue;
+        }
+        if v * heading < 0.0 {
+            turned_m = Some(at_m);
+        }
+        heading = v.signum();
+        if let Some(from_m) = turned_m.filter(|_| f * v >= 0.0) {
+            ways.push(at_m - from_m);
+            turned_m = None;
+        }
+    }
+    ways
 }
 
 fn bounds(experiment: &Experiment) -> Vec<ParameterSpec> {
