@@ -10,7 +10,7 @@ use rig::{Cause, Experiment, Follows, Model, Requirement, Station};
 use rigs::{BRISTLE, LUGRE, rich};
 
 /// Ids, stations and reported parameters, as other programs know them.
-const VOCABULARY: [(&str, &str, &[&str]); 64] = [
+const VOCABULARY: [(&str, &str, &[&str]); 65] = [
     (
         "stage-ripple",
         "stage",
