@@ -137,13 +137,12 @@ pub fn diagnose_fully(
     if !options.quick {
         gains = judge(&whole, &selected, &contests, answer.noise_floor.rmse);
         while let Some(k) = gains.as_ref().and_then(Gains::surplus) {
-            let Some(taken) = take_one_back(bench, &mut selected, k) else {
+            if take_one_back(bench, &mut selected, k).is_none() {
                 break;
-            };
+            }
             contests = self::contests(bench, &mut selected);
             whole = Whole::of(&recorded, bench, &selected);
             answer = assemble(&whole, &selected, &contests, &integrity);
-            answer.notes.push(taken);
             gains = judge(&whole, &selected, &contests, answer.noise_floor.rmse);
         }
     }

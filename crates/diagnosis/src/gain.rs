@@ -80,25 +80,16 @@ impl Gains {
     /// Of several names the one that gains least of its own on unseen runs, where that is less than half of what is there and no more than
     /// scrambled signatures do: it came in beside the others and is not seen without its own force.
     pub(crate) fn surplus(&self) -> Option<usize> {
-        let least = |gain: &&(usize, &Gain)| {
-            let beaten = gain
-                .1
-                .placebo_exceeded
-                .is_some_and(|beaten| beaten < BEATEN);
-            beaten
-                && gain
-                    .1
-                    .explained_fraction
-                    .is_none_or(|share| share < POSSIBLE)
-        };
+        if self.each.len() < 2 {
+            return None;
+        }
         let share = |gain: &Gain| gain.explained_fraction.unwrap_or(0.0);
+        let no_more = |gain: &Gain| gain.placebo_exceeded.is_some_and(|beaten| beaten < BEATEN);
         let each = self.each.iter().enumerate();
-        let known: Vec<(usize, &Gain)> = each
-            .filter_map(|(k, gain)| Some((k, gain.as_ref()?)))
-            .collect();
-        let surplus = known.iter().filter(least);
-        let least = surplus.min_by(|a, b| share(a.1).total_cmp(&share(b.1)));
-        least.map(|(k, _)| *k).filter(|_| self.each.len() > 1)
+        each.filter_map(|(k, gain)| Some((k, gain.as_ref()?)))
+            .filter(|(_, gain)| no_more(gain) && share(gain) < POSSIBLE)
+            .min_by(|a, b| share(a.1).total_cmp(&share(b.1)))
+            .map(|(k, _)| k)
     }
 
     /// What is left of them where the names were taken back.

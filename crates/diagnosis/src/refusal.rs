@@ -142,12 +142,8 @@ fn stand_with(bench: &Bench<'_>, selected: &mut Selected, fitted: Fitted) {
     selected.left = lack(bench, &selected.subset, &selected.stand);
 }
 
-/// All but the k-th cause stay named. Returns what the reader is told; `None` where the others cannot be fitted.
-pub(crate) fn take_one_back(
-    bench: &Bench<'_>,
-    selected: &mut Selected,
-    k: usize,
-) -> Option<String> {
+/// All but the k-th cause stay named; `None` where the others cannot be fitted.
+pub(crate) fn take_one_back(bench: &Bench<'_>, selected: &mut Selected, k: usize) -> Option<()> {
     let (stand, subset) = (&selected.stand, &selected.subset);
     let id = |effect: usize| bench.catalogue[effect].id();
     let mut rest = stand.fitted.effects.clone();
@@ -162,10 +158,11 @@ pub(crate) fn take_one_back(
     selected.entry_log_p.truncate(rest.len());
     keep_dominant(bench, selected);
     let beside: Vec<&str> = rest.into_iter().map(id).collect();
-    Some(format!(
+    selected.refused.push(format!(
         "{taken} came in beside {}, but on unseen runs it gains no more than scrambled ones: not named",
         beside.join(", ")
-    ))
+    ));
+    Some(())
 }
 
 /// The law alone again; what was seen stays seen.

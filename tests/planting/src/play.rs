@@ -11,18 +11,12 @@ const STEP_S: f64 = 1e-4;
 pub(crate) fn held_after_turns(law: &Law, motion: &Motion, gap_m: f64) -> Vec<f64> {
     let mut held = Vec::new();
     for turn_s in motion.turns() {
-        held.push(f64::INFINITY);
-        let behind = motion.behind_play(gap_m, &held, &mut Play::default());
-        match released_at(law, &behind, turn_s) {
-            Some(at_s) => {
-                let way = motion.position(at_s) - motion.position(turn_s);
-                held.pop();
-                held.push(way.abs());
-            }
-            // It turns again before that.
-            None => {
-                held.pop();
-            }
+        // From this turn on the play stays closed.
+        let closed = [held.as_slice(), &[f64::INFINITY]].concat();
+        let behind = motion.behind_play(gap_m, &closed, &mut Play::default());
+        // Unless it turns again before that.
+        if let Some(at_s) = released_at(law, &behind, turn_s) {
+            held.push((motion.position(at_s) - motion.position(turn_s)).abs());
         }
     }
     held
@@ -43,8 +37,7 @@ fn released_at(law: &Law, motion: &Motion, turn_s: f64) -> Option<f64> {
             // Before the turn it pulls the way that it goes.
             None if middle_s < turn_s => {}
             None => pulled = Some(-v.signum()),
-            Some(_) if v == 0.0 => {}
-            Some(sign) if v.signum() == sign => return None,
+            Some(sign) if v * sign > 0.0 => return None,
             Some(_) => {}
         }
         if let Some(sign) = pulled
