@@ -398,6 +398,69 @@ fn a_cause_taken_out_of_the_catalogue_is_refused() {
     assert_none(&complaints(&trials, &[Verdict::Right]));
 }
 
+/// A short filter of the velocity is a delay of the force but for the corners of the motion. A recorded position tells them apart, as the
+/// stage goes further than the recorded speeds say; without that column the two are a set.
+#[test]
+fn a_recorded_position_tells_a_slow_velocity_from_a_late_force() {
+    let _guard = ONE_AT_A_TIME
+        .lock()
+        .unwrap_or_else(std::sync::PoisonError::into_inner);
+    let case = Case::one("velocity-lag", 0.015, Protocol::RichTurned, SEED + 290).of_specimen(SEED);
+    let files = case.carry_out().expect("a known cause").files;
+    let options = Options {
+        quick: true,
+        ..Options::default()
+    };
+    let named = |files: &[(String, String)]| -> Vec<String> {
+        let answer = ask(files, &options).expect("a campaign").json;
+        let finding = &answer["findings"][0];
+        let set = std::iter::once(&finding["cause"])
+            .chain(finding["equivalent"].as_array().into_iter().flatten());
+        set.map(|id| id.as_str().unwrap_or("none").to_owned())
+            .collect()
+    };
+    assert_eq!(named(&files), ["velocity-lag"]);
+    let mut blind = named(&without_position(&files));
+    blind.sort();
+    assert_eq!(blind, ["clock-offset", "velocity-lag"]);
+}
+
+/// A package without its column of positions.
+fn without_position(files: &[(String, String)]) -> Vec<(String, String)> {
+    let table = |text: &str| -> String {
+        let cells = |line: &str| -> String {
+            let kept = line
+                .split(',')
+                .enumerate()
+                .filter(|(column, _)| *column != 2);
+            let kept: Vec<&str> = kept.map(|(_, cell)| cell).collect();
+            kept.join(",") + "\n"
+        };
+        assert_eq!(
+            text.lines().next(),
+            Some("time_s,velocity_mm_s,position_mm,force_n")
+        );
+        text.lines().map(cells).collect()
+    };
+    let description = |text: &str| -> String {
+        let mut package: Value = serde_json::from_str(text).expect("a data package");
+        for resource in package["resources"].as_array_mut().expect("resources") {
+            let fields = resource["schema"]["fields"].as_array_mut().expect("fields");
+            fields.retain(|field| field["name"] != "position_mm");
+        }
+        package.to_string()
+    };
+    let each = files.iter().map(|(path, text)| {
+        let text = if path == "datapackage.json" {
+            description(text)
+        } else {
+            table(text)
+        };
+        (path.clone(), text)
+    });
+    each.collect()
+}
+
 /// Renames every run and file, lists the runs the other way round, and adds metadata that mean nothing.
 fn disguise(files: &[(String, String)]) -> Vec<(String, String)> {
     let mut disguised = Vec::new();

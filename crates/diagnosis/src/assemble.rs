@@ -14,6 +14,7 @@ use crate::probability::weight_of_set;
 use crate::selection::{ALPHA_GENERAL, ALPHA_NAME, SHAPE_TOLERANCE, Selected, strict};
 use crate::steps;
 use crate::tail::equivalent_z;
+use crate::ways::deviance_of_positions;
 use crate::whole::Whole;
 
 /// The answer but for what folds and designed experiments add.
@@ -131,6 +132,12 @@ fn notes(whole: &Whole<'_>) -> Vec<String> {
     }
     if !whole.extended.converged && !whole.extended.effects.is_empty() {
         notes.push("the fit of the extended model did not converge: iteration limit".to_owned());
+    }
+    if deviance_of_positions(whole.bench, &whole.extended) < 0.0 {
+        notes.push(
+            "the stage went further between samples than the recorded speeds tell, as where these are read late: the recorded positions show the filter of the velocity channel"
+                .to_owned(),
+        );
     }
     let model = &whole.law.model;
     for (spec, value) in model

@@ -15,6 +15,7 @@ use crate::prior::{Prior, append_prior, with_prior_rows};
 use crate::samples::Samples;
 use crate::starts::ranked;
 use crate::subset::Subset;
+use crate::ways::Ways;
 
 /// Everything that stays the same while hypotheses come and go.
 pub(crate) struct Bench<'a> {
@@ -34,6 +35,8 @@ pub(crate) struct Bench<'a> {
     pub(crate) masked: Vec<bool>,
     /// Step of the force channel, N, where all forces are multiples of one.
     pub(crate) step_n: Option<f64>,
+    /// Recorded positions against recorded speeds.
+    pub(crate) ways: Ways,
 }
 
 /// The condition of each run of a campaign.
@@ -334,6 +337,7 @@ impl<'a> Bench<'a> {
             conditions: conditions(&short.campaign),
             masked: short.masked.clone(),
             step_n: self.step_n,
+            ways: self.ways,
         }
     }
 

@@ -11,6 +11,7 @@ use crate::look_back::EXCHANGE;
 use crate::scan::Scan;
 use crate::selection::Selected;
 use crate::settled::settle;
+use crate::ways::deviance_of_positions;
 
 /// Successions of one cause by another.
 const MOST: usize = 2;
@@ -52,7 +53,9 @@ fn succeed(bench: &Bench<'_>, selected: &mut Selected, contests: &[Contest]) -> 
         return false;
     };
     // A searched period is paid for, by the named cause and by its rival.
-    let charge = search_price(bench, cause) - search_price(bench, stand.fitted.effects[k]);
+    let price = search_price(bench, cause) - search_price(bench, stand.fitted.effects[k]);
+    let positions = |fit| deviance_of_positions(bench, fit);
+    let charge = price + positions(&next.fitted) - positions(&stand.fitted);
     if next.deviance + charge > stand.deviance - EXCHANGE {
         return false;
     }

@@ -5,25 +5,22 @@ use friction::LawKind;
 use rig::{Experiment, ModelFile};
 
 use crate::answer::{Diagnosis, Undecidable};
-use crate::assemble::assemble;
 use crate::bench::{Bench, Fitted};
 use crate::condense::{Condensed, condense};
-use crate::contests::contests;
 use crate::curves::{Curves, curves};
 use crate::equivalence::Contest;
 use crate::excerpt::Excerpt;
 use crate::experiment::{Hypothesis, propose};
 use crate::extension::model_file;
-use crate::gain::{self, Gains};
 use crate::integrity::inspect;
 use crate::laws;
 use crate::prepare::bench;
-use crate::refusal::{refuse_beaten, take_all_back, take_one_back};
 use crate::rises::straighter_than_the_law;
 use crate::selection::{Depth, Selected, select};
 use crate::settled::law_alone;
 use crate::subset::Subset;
 use crate::ties;
+use crate::verdict::Verdict;
 use crate::whole::{Whole, of_all_samples};
 
 /// Selections on a condensed record after the first, each with the rows' errors at what the last one named.
@@ -105,61 +102,37 @@ pub fn diagnose_fully(
     let condensed = condense(campaign, &recorded.samples, &recorded.masked);
     let mut short = condensed.as_ref().map(|c| recorded.condensed(c));
     let no_fit = DiagnosisError::NoFit(recorded.law.id());
-    let mut selected = match (&condensed, &mut short) {
+    let selected = match (&condensed, &mut short) {
         (Some(rows), Some(short)) => select_on_rows(&recorded, rows, short),
         _ => select(&recorded, &Subset::all(&recorded), Depth::Full, None),
     }
     .ok_or(no_fit)?;
     let bench = short.as_ref().unwrap_or(&recorded);
     let integrity = inspect(campaign, selected.stand.sizes.sensor);
-    let mut contests = contests(bench, &mut selected);
-    if refuse_beaten(bench, &mut selected, &contests) {
-        contests.clear();
-    }
-    let mut whole = Whole::of(&recorded, bench, &selected);
+    let mut verdict = Verdict::of(&recorded, bench, selected, &integrity);
     let unseen = match (&excerpt, &every_run) {
         (Some(excerpt), Some(all)) => {
+            let whole = &verdict.whole;
             Some(excerpt.unseen(whole_campaign, all, &whole.stated, &whole.extended))
         }
         _ => None,
     };
     if unseen.is_some_and(|u| u.speaks_against()) {
-        take_all_back(bench, &mut selected);
-        contests.clear();
-        whole = Whole::of(&recorded, bench, &selected);
+        verdict.take_all_back();
     }
-    let mut answer = assemble(&whole, &selected, &contests, &integrity);
-    let judge = |whole: &Whole<'_>, selected: &Selected, contests: &[Contest], floor: f64| {
-        let ties: Vec<Vec<usize>> = contests.iter().map(Contest::tied).collect();
-        gain::judge(bench, whole, selected, &ties, floor)
+    let (gains, taken) = if options.quick {
+        (None, None)
+    } else {
+        verdict.hold_against_unseen_runs()
     };
-    let mut gains = None;
-    if !options.quick {
-        gains = judge(&whole, &selected, &contests, answer.noise_floor.rmse);
-        while let Some(k) = gains.as_ref().and_then(Gains::surplus) {
-            if take_one_back(bench, &mut selected, k).is_none() {
-                break;
-            }
-            contests = self::contests(bench, &mut selected);
-            whole = Whole::of(&recorded, bench, &selected);
-            answer = assemble(&whole, &selected, &contests, &integrity);
-            gains = judge(&whole, &selected, &contests, answer.noise_floor.rmse);
-        }
-    }
-    if let Some(against) = gains.as_ref().and_then(Gains::speak_against) {
-        let named = selected.stand.fitted.effects.iter();
-        let causes: Vec<&str> = named.map(|&e| bench.catalogue[e].id()).collect();
-        let taken = format!(
-            "on unseen runs the extension by {} {against}: it is not named",
-            causes.join(", ")
-        );
-        take_all_back(bench, &mut selected);
-        contests.clear();
-        whole = Whole::of(&recorded, bench, &selected);
-        answer = assemble(&whole, &selected, &contests, &integrity);
-        answer.notes.push(taken);
-        gains = gains.map(Gains::of_the_law);
-    }
+    let mut answer = verdict.answer();
+    let Verdict {
+        selected,
+        contests,
+        whole,
+        ..
+    } = verdict;
+    answer.notes.extend(taken);
     if answer.unexplained.detected {
         answer.notes.extend(straighter_than_the_law(&whole));
     }

@@ -21,6 +21,7 @@ use crate::look_back::bare;
 use crate::scan::{Ray, Scan, extended, scan_without};
 use crate::stand::Stand;
 use crate::subset::Subset;
+use crate::ways::deviance_of_positions;
 
 /// Distance below which no test separates two causes.
 pub(crate) const SEPARABLE: f64 = 4.7;
@@ -50,8 +51,10 @@ pub(crate) struct Opponent {
     second_form: bool,
     /// D_r of (D3).
     pub(crate) separation: f64,
-    /// -2 log likelihood of the campaign with the rival in the cause's place less that with the cause.
+    /// -2 log likelihood of the campaign with the rival in the cause's place less that with the cause,
     pub(crate) excess_deviance: f64,
+    /// and what of it the recorded positions say (P1).
+    of_the_positions: f64,
     /// What the rival pays for its parameters and its search (a searched period) beyond what the cause pays.
     charge: f64,
     /// The fit with the rival, where one was made.
@@ -78,6 +81,16 @@ pub(crate) struct Contest {
 impl Contest {
     /// Causes that cannot be told from the named one.
     pub(crate) fn tied(&self) -> Vec<usize> {
+        self.alike(|_| 0.0)
+    }
+
+    /// Causes that the force alone cannot tell from the named one.
+    pub(crate) fn tied_in_force(&self) -> Vec<usize> {
+        self.alike(|o| o.of_the_positions)
+    }
+
+    /// Causes that cannot be told from the named one by what is left of the evidence when this is taken off.
+    fn alike(&self, apart: impl Fn(&Opponent) -> f64) -> Vec<usize> {
         let reach = SEPARABLE.min(NO_IMITATION * self.length);
         // A signature knows neither bounds nor signs: what was fitted in the cause's place and fits far worse is no imitation.
         let fails = |o: &Opponent| {
@@ -87,10 +100,10 @@ impl Contest {
                 let spread = 2.0 * o.separation;
                 (o.separation.powi(2) + CONTRADICTED_SPREADS * spread).max(CONTRADICTED_LEAST)
             };
-            o.fitted.is_some() && o.excess_deviance > most
+            o.fitted.is_some() && o.excess_deviance - apart(o) > most
         };
         // What came as near to the record belongs to the set, however far apart the protocol should hold the two.
-        let as_good = |o: &Opponent| o.loss() < AS_GOOD;
+        let as_good = |o: &Opponent| o.loss() - apart(o) < AS_GOOD;
         self.opponents
             .iter()
             .filter(|o| o.separation < reach && !fails(o) || as_good(o))
@@ -155,12 +168,14 @@ pub(crate) fn contest(
             second_form: is_second_form(bench, candidate.cause),
             separation,
             excess_deviance: f64::INFINITY,
+            of_the_positions: 0.0,
             charge: search_price(bench, candidate.cause) - search_price(bench, own),
             fitted: None,
         });
     }
     let context = subset.context_of(bench, full);
     let whitener = stand.whitener.with_scatter(&context, scatter);
+    let positions = |fit: &Fitted| deviance_of_positions(bench, fit);
     let checked: Vec<Opponent> = opponents
         .into_par_iter()
         .map(|mut opponent| {
@@ -170,7 +185,8 @@ pub(crate) fn contest(
                 && let Some((fit, excess)) =
                     replace(bench, subset, stand, &beside, candidate, &whitener)
             {
-                opponent.excess_deviance = excess;
+                opponent.of_the_positions = positions(&fit) - positions(full);
+                opponent.excess_deviance = excess + opponent.of_the_positions;
                 opponent.fitted = Some(fit);
             }
             opponent

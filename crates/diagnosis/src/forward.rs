@@ -15,7 +15,7 @@ use crate::settled::{likely_scatter, settle};
 use crate::stand::Stand;
 use crate::subset::Subset;
 use crate::swallowed::swallowed;
-use crate::uniform::{share_on_finer_plate, share_without_blows};
+use crate::uniform::share_without_blows;
 use crate::valleys::deepest;
 
 /// Probability of noise below which a fold takes in a cause, as many of them as the whole campaign has named. That there is something the
@@ -177,8 +177,7 @@ impl<'a, 'b> Forward<'a, 'b> {
             return Some(Went::Back(Box::new(law)));
         }
         let last = next.fitted.effects.len() - 1;
-        let firm = share_without_blows(bench, subset, &next, last)
-            * share_on_finer_plate(bench, subset, &next, last);
+        let firm = share_without_blows(bench, subset, &next, last);
         if round == 0 {
             self.singles = proposal.tried;
         }

@@ -78,8 +78,9 @@ impl Gains {
     }
 
     /// Of several names the one that gains least of its own on unseen runs, where that is less than half of what is there and no more than
-    /// scrambled signatures do: it came in beside the others and is not seen without its own force.
-    pub(crate) fn surplus(&self) -> Option<usize> {
+    /// scrambled signatures do: it came in beside the others and is not seen without its own force. One that is plain in the campaign
+    /// itself stays: the few unseen runs that show it may not tell it from a scrambled one.
+    pub(crate) fn surplus(&self, is_plain: impl Fn(usize) -> bool) -> Option<usize> {
         if self.each.len() < 2 {
             return None;
         }
@@ -87,7 +88,7 @@ impl Gains {
         let no_more = |gain: &Gain| gain.placebo_exceeded.is_some_and(|beaten| beaten < BEATEN);
         let each = self.each.iter().enumerate();
         each.filter_map(|(k, gain)| Some((k, gain.as_ref()?)))
-            .filter(|(_, gain)| no_more(gain) && share(gain) < POSSIBLE)
+            .filter(|(k, gain)| no_more(gain) && share(gain) < POSSIBLE && !is_plain(*k))
             .min_by(|a, b| share(a.1).total_cmp(&share(b.1)))
             .map(|(k, _)| k)
     }
@@ -229,5 +230,30 @@ mod tests {
         assert_eq!(gains(3.0, 0.5).speak_against(), None);
         assert_eq!(gains(2.0 * NO_NOISE, few).speak_against(), None);
         assert!(gains(-1.0, 1.0).speak_against().is_some());
+    }
+
+    /// The second of two names gains a third of what is there, no more than scrambled ones do.
+    #[test]
+    fn a_surplus_name_goes_unless_it_is_plain_in_the_campaign() {
+        let own = |share: f64, beaten: f64| {
+            Some(Gain {
+                held_out_rmse_before: 1.0,
+                held_out_rmse_after: 1.0,
+                explained_fraction: Some(share),
+                ci95: None,
+                placebo_exceeded: Some(beaten),
+            })
+        };
+        let two = Gains {
+            each: vec![own(0.9, 1.0), own(0.3, 0.8)],
+            ..gains(1.0, 1.0)
+        };
+        assert_eq!(two.surplus(|_| false), Some(1));
+        assert_eq!(two.surplus(|k| k == 1), None);
+        let alone = Gains {
+            each: vec![own(0.3, 0.8)],
+            ..gains(1.0, 1.0)
+        };
+        assert_eq!(alone.surplus(|_| false), None);
     }
 }

@@ -198,5 +198,6 @@ fn with_law<'a>(bench: &Bench<'a>, law: LawKind) -> Option<Bench<'a>> {
         conditions: bench.conditions.clone(),
         masked: bench.masked.clone(),
         step_n: bench.step_n,
+        ways: bench.ways,
     })
 }

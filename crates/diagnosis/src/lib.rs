@@ -67,6 +67,8 @@ mod tail;
 mod ties;
 mod uniform;
 mod valleys;
+mod verdict;
+mod ways;
 mod weighed;
 mod whole;
 

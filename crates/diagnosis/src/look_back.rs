@@ -227,15 +227,10 @@ fn replacement(
     k: usize,
     threshold: f64,
 ) -> Option<(usize, Fitted, f64)> {
-    let mut rest = stand.fitted.effects.clone();
-    let own = rest.remove(k);
-    let scatter = likely_scatter(stand);
-    let context = subset.context_of(bench, &stand.fitted);
-    let whitener = stand.whitener.with_scatter(&context, scatter);
-    let start = stand.fitted.without(k);
-    let fit = bench.fit(subset, &rest, &start, &whitener, None, 20)?;
+    let own = stand.fitted.effects[k];
+    let fit = fitted_without(bench, subset, stand, k)?;
     let beside = Stand::new(bench, subset, fit, stand.sizes);
-    let found = scan(bench, subset, &beside, scatter);
+    let found = scan(bench, subset, &beside, likely_scatter(stand));
     let same = |cause: usize| bench.catalogue[cause].id() == bench.catalogue[own].id();
     let mut asked = survivors(bench, &found, threshold, SURVIVORS);
     // A periodic cause may take its own place with another period: among strong neighbours the wrong line may have been the highest.
@@ -257,16 +252,9 @@ pub(crate) fn drop_idle(
     worth: f64,
 ) -> Option<Stand> {
     while stand.fitted.effects.len() > 1 {
-        let context = subset.context_of(bench, &stand.fitted);
-        let whitener = stand
-            .whitener
-            .with_scatter(&context, likely_scatter(&stand));
         let mut least: Option<(f64, usize, Fitted)> = None;
         for k in 0..stand.fitted.effects.len() {
-            let mut rest = stand.fitted.effects.clone();
-            rest.remove(k);
-            let start = stand.fitted.without(k);
-            let Some(fit) = bench.fit(subset, &rest, &start, &whitener, None, 20) else {
+            let Some(fit) = fitted_without(bench, subset, &stand, k) else {
                 continue;
             };
             let saved = stand.deviance_of(bench, subset, &fit) - stand.deviance;
@@ -286,6 +274,29 @@ pub(crate) fn drop_idle(
         stand = rest;
     }
     Some(stand)
+}
+
+/// The fit of all but the k-th effect, under the noise of the whole set.
+pub(crate) fn fitted_without(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    k: usize,
+) -> Option<Fitted> {
+    /// One effect less is near.
+    const STEPS: u64 = 20;
+    let mut rest = stand.fitted.effects.clone();
+    rest.remove(k);
+    let context = subset.context_of(bench, &stand.fitted);
+    let whitener = stand.whitener.with_scatter(&context, likely_scatter(stand));
+    bench.fit(
+        subset,
+        &rest,
+        &stand.fitted.without(k),
+        &whitener,
+        None,
+        STEPS,
+    )
 }
 
 /// A fit with its k-th effect taken out and all else where it was.

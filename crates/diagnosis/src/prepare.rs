@@ -10,6 +10,7 @@ use crate::diagnose::{DiagnosisError, Options};
 use crate::integrity::{Rail, beside_flat_top, inspect};
 use crate::prior::Prior;
 use crate::samples::Samples;
+use crate::ways::Ways;
 
 /// The law that is used where none is asked for.
 #[must_use]
@@ -71,6 +72,7 @@ pub(crate) fn bench<'a>(
     Ok(Bench {
         campaign,
         samples,
+        ways: Ways::of(&experiment),
         experiment,
         law,
         catalogue,

@@ -7,10 +7,11 @@ use crate::equivalence::{Contest, Opponent};
 use crate::foreign::{beside_the_noise_of, strangest};
 use crate::general::Lack;
 use crate::left::lack;
+use crate::look_back::fitted_without;
 use crate::marks;
 use crate::scan::Scan;
 use crate::selection::{ALPHA_GENERAL, MOST_EFFECTS, SHAPE_TOLERANCE, Selected, Single, strict};
-use crate::settled::{likely_scatter, settle};
+use crate::settled::settle;
 use crate::stand::Stand;
 use crate::uniform::is_uniform;
 
@@ -20,9 +21,6 @@ const DOMINANT: f64 = 0.95;
 const DOMINANT_PAIR: f64 = 0.95;
 /// The same of three: beside a rest they are as little to be believed as four, unless it is what their shapes may be wrong by.
 const DOMINANT_TRIPLE: f64 = 1.0 - SHAPE_TOLERANCE * SHAPE_TOLERANCE;
-
-/// Steps of a fit with one name less.
-const STEPS: u64 = 30;
 
 /// Runs with a law of their own are looked at closely from this share on of what all named causes explain.
 const NEAR: f64 = 0.5;
@@ -146,12 +144,9 @@ fn stand_with(bench: &Bench<'_>, selected: &mut Selected, fitted: Fitted) {
 pub(crate) fn take_one_back(bench: &Bench<'_>, selected: &mut Selected, k: usize) -> Option<()> {
     let (stand, subset) = (&selected.stand, &selected.subset);
     let id = |effect: usize| bench.catalogue[effect].id();
-    let mut rest = stand.fitted.effects.clone();
-    let taken = id(rest.remove(k));
-    let context = subset.context_of(bench, &stand.fitted);
-    let whitener = stand.whitener.with_scatter(&context, likely_scatter(stand));
-    let start = stand.fitted.without(k);
-    let fit = bench.fit(subset, &rest, &start, &whitener, None, STEPS)?;
+    let taken = id(stand.fitted.effects[k]);
+    let fit = fitted_without(bench, subset, stand, k)?;
+    let rest = fit.effects.clone();
     let found = Scan::empty(bench, Some(stand.sizes));
     selected.stand = settle(bench, subset, &fit, &found)?;
     selected.left = lack(bench, &selected.subset, &selected.stand);

@@ -32,24 +32,21 @@ impl Likelihood {
             fitted,
             sizes,
             &subset.context_of(bench, fitted),
-            1.0,
         )
     }
 
-    /// `finer`: nodes of the plate's field for each that there usually is.
     fn in_context(
         bench: &Bench<'_>,
         subset: &Subset,
         fitted: &Fitted,
         sizes: Sizes,
         context: &Context,
-        finer: f64,
     ) -> Self {
         let inner = Sizes {
             scatter: 0.0,
             ..sizes
         };
-        let whitener = Whitener::with_nodes(context, &inner, inner.node_spacing() / finer);
+        let whitener = Whitener::new(context, &inner);
         let prior = bench.prior.as_ref();
         let gains = gain_matrix(context);
         let white_gains = append_prior(prior, whitener.whiten_columns(&gains), &[]);
@@ -101,14 +98,6 @@ impl Stand {
     /// A fit under given sizes of the noise (their scatter is only the fit's; the tests integrate over it).
     pub(crate) fn new(bench: &Bench<'_>, subset: &Subset, fitted: Fitted, sizes: Sizes) -> Self {
         let likelihood = Likelihood::of(bench, subset, &fitted, sizes);
-        Self::at(bench, subset, fitted, sizes, likelihood)
-    }
-
-    /// The same fit under the same noise, with so many nodes of the plate's field for each of this stand's.
-    pub(crate) fn on_finer_plate(&self, bench: &Bench<'_>, subset: &Subset, finer: f64) -> Self {
-        let context = subset.context_of(bench, &self.fitted);
-        let (fitted, sizes) = (self.fitted.clone(), self.sizes);
-        let likelihood = Likelihood::in_context(bench, subset, &fitted, sizes, &context, finer);
         Self::at(bench, subset, fitted, sizes, likelihood)
     }
 
@@ -171,7 +160,7 @@ impl Stand {
             return self.deviance;
         }
         let context = subset.context(bench, self.fitted.friction(bench));
-        Likelihood::in_context(bench, subset, &self.fitted, sizes, &context, 1.0).deviance
+        Likelihood::in_context(bench, subset, &self.fitted, sizes, &context).deviance
     }
 
     /// The ground with each residual drawn towards zero by half a step of the force channel: what rounding may have made is

@@ -82,41 +82,6 @@ fn calm_share(effect: &[f64], without: &[f64]) -> f64 {
     }
 }
 
-/// Share of the evidence for the k-th effect that stays on a finer grid of the plate. What the plate's field does between the nodes
-/// repeats with every run and is taken as private to each: a texture that is shorter than the roughness is fed by it.
-pub(crate) fn share_on_finer_plate(
-    bench: &Bench<'_>,
-    subset: &Subset,
-    stand: &Stand,
-    k: usize,
-) -> f64 {
-    /// Nodes for each that there usually is.
-    const FINER: f64 = 4.0;
-    /// Wavelengths of interest, in lengths of the plate's roughness.
-    const SHORT: f64 = 1.5;
-    let cause = &bench.catalogue[stand.fitted.effects[k]];
-    let own = &stand.fitted.parameters[stand.fitted.model.span(k)];
-    let reported = cause.reported(own);
-    let wavelength = reported.iter().find(|r| r.name == "wavelength_m");
-    let short = SHORT * stand.sizes.plate_length();
-    if stand.sizes.plate == 0.0 || wavelength.is_none_or(|w| w.value > short) {
-        return 1.0;
-    }
-    // What an effect of this course promises: (d'y)^2 / d'd.
-    let promise = |stand: &Stand| {
-        let both = effect_and_residual(bench, subset, stand, k);
-        let (d, y) = (both.column(0), both.column(1));
-        d.dot(&y).powi(2) / d.norm_squared().max(f64::MIN_POSITIVE)
-    };
-    let here = promise(stand);
-    let finer = promise(&stand.on_finer_plate(bench, subset, FINER));
-    if here > 0.0 {
-        (finer / here).min(1.0)
-    } else {
-        1.0
-    }
-}
-
 /// The k-th fitted effect d and the residual y without it (n x 2): whitened, cleared of all else that is fitted and of the scatter.
 fn effect_and_residual(
     bench: &Bench<'_>,

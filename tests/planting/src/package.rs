@@ -30,6 +30,17 @@ fn number(value: f64, decimals: usize) -> String {
     if text == "-0" { "0".into() } else { text }
 }
 
+impl Plan {
+    /// Step in which the stage coordinate is written, m (rad); `None` where it is not recorded.
+    #[must_use]
+    pub fn position_step_m(&self) -> Option<f64> {
+        self.records_position.then_some(match self.axis {
+            Axis::Rotary => 1e-6,
+            Axis::Linear => 1e-7,
+        })
+    }
+}
+
 /// Resolution of the logger: far below every noise. Decimals of time, speed, position and force columns.
 struct Digits {
     time: usize,

@@ -51,12 +51,7 @@ enum ScatterRoot {
 impl Whitener {
     /// Builds the recursions for a campaign's samples and the sizes of its noise.
     pub fn new(context: &Context, sizes: &Sizes) -> Self {
-        Self::with_nodes(context, sizes, sizes.node_spacing())
-    }
-
-    /// The same with the nodes of the plate's field this far apart (m or rad).
-    pub fn with_nodes(context: &Context, sizes: &Sizes, spacing: f64) -> Self {
-        let grid = Grid::new(context, spacing);
+        let grid = Grid::new(context, sizes.node_spacing());
         let undone = context.undone(sizes);
         let along = Along::new(context, sizes, &undone, grid.unresolved(sizes));
         let mut log_det = along.log_det - 2.0 * undone.log_det();

@@ -2,10 +2,12 @@
 
 use nalgebra::DVector;
 use planting::effect::Effect;
+use planting::machine::run_day;
+use planting::plan::Noise;
 use planting::species::CAUSES;
 use planting::{Base, Case, Planted};
 
-use super::{Oracle, is_periodic};
+use super::{Oracle, THRESHOLD, is_periodic};
 
 /// Distance below which two explanations count as the same.
 const INSEPARABLE: f64 = 4.7;
@@ -33,7 +35,7 @@ impl Oracle {
         let own: Vec<&str> = planted.iter().map(|planted| planted.id.as_str()).collect();
         let mut forced: Vec<String> = own.iter().map(|id| (*id).to_string()).collect();
         let whole = self.distance(&change);
-        if planted.len() == 1 {
+        if planted.len() == 1 && !self.shows_in_positions(planted)? {
             for (cause, signatures) in &rivals.signatures {
                 if own.contains(&cause.as_str()) {
                     continue;
@@ -58,6 +60,36 @@ impl Oracle {
             distance: whole,
             forced,
         })
+    }
+
+    /// Whether speeds and positions are recorded that go together in a way that only the effects explain: a stage goes the mean of its
+    /// speeds times the time between them.
+    fn shows_in_positions(&self, planted: &[Planted]) -> Result<bool, String> {
+        let Some(step_m) = self.plan.position_step_m() else {
+            return Ok(false);
+        };
+        let (speeds, plain) = (self.speeds(planted)?, self.speeds(&[])?);
+        let mut squares = 0.0;
+        for (speed, plain) in speeds.iter().zip(&plain) {
+            let ways = speed.windows(2).zip(plain.windows(2));
+            let ways = ways.map(|(with, without)| {
+                (with[0] + with[1] - without[0] - without[1]) / (2.0 * self.plan.sample_rate_hz)
+            });
+            squares += ways.map(|way| way * way).sum::<f64>();
+        }
+        // Either end of a way is written to the nearest step.
+        Ok(squares > (THRESHOLD * step_m).powi(2) / 6.0)
+    }
+
+    /// Recorded speeds of each run.
+    fn speeds(&self, planted: &[Planted]) -> Result<Vec<Vec<f64>>, String> {
+        let case = Case {
+            planted: planted.to_vec(),
+            ..self.case.clone()
+        };
+        let (rig, plan, _) = case.set_up()?;
+        let recordings = run_day(&rig, &plan, &Noise::NONE, 0);
+        Ok(recordings.into_iter().map(|run| run.velocity_m_s).collect())
     }
 
     /// Distance of a change from a rival at its best size, the rival's own bend allowed for: a delay of a corner is no multiple of a
