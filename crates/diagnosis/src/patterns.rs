@@ -1,5 +1,6 @@
 //! A gain that some runs share and the others lack (one run, two of them, the runs of a stretch of the day, every second, third or fourth
-//! one), gains that jump and go back or go up and down in the course of the day, and gains of all runs under one load.
+//! one), gains that jump and go back or go up and down in the course of the day, by the order of the runs or by the clock, and gains of
+//! all runs under one load.
 //!
 //! A weight that was forgotten, a clamp that was changed or a room that cools looks like scatter between runs. Scatter knows no order, so
 //! each such question is answered by Student's t of the runs' gains (the scatter is integrated over), and the questions pay for one another
@@ -7,7 +8,7 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, SymmetricEigen};
 
 use crate::general::{Lack, MOST_RUNS};
 use crate::ground::{ABSORBED, Ground, Score};
@@ -21,6 +22,10 @@ const LONGEST_PERIOD: usize = 4;
 const COSINES: usize = 4;
 /// Times in which a jump of the gain goes back, as shares of the day.
 const RELAXATIONS: [f64; 3] = [0.1, 0.2, 0.4];
+/// Times over which a gain that wanders by the clock stays what it was, as shares of the day,
+const MEMORIES: [f64; 3] = [0.05, 0.1, 0.2];
+/// and the share of its variance that the gains hold that are asked for.
+const HELD: f64 = 0.95;
 /// Runs for each cosine that a course needs at least.
 const RUNS_A_COSINE: usize = 3;
 
@@ -105,6 +110,11 @@ fn questions(began: &[f64], levels: &[usize]) -> Vec<Question> {
     if ordered {
         sets.extend(sets_of_the_day(&order));
         families.extend(course(&order));
+        families.extend(
+            MEMORIES
+                .iter()
+                .filter_map(|memory| wandering(began, *memory)),
+        );
     }
     let priced = |all: Vec<DMatrix<f64>>| {
         let price = (2.0 * all.len() as f64).ln();
@@ -184,6 +194,29 @@ fn course(order: &[usize]) -> Option<DMatrix<f64>> {
     (cosines > 0).then_some(gains)
 }
 
+/// The gains of a course that wanders by the clock and remembers for a share of the day: leading eigenvectors of
+/// K_ij = exp(-((t_i - t_j) / tau)^2 / 2). Runs that follow one another at once share a gain, and rests are long ways in it, which an
+/// order does not know. `None` where more than half of the runs' differences are needed: then scatter does the same.
+fn wandering(began: &[f64], memory: f64) -> Option<DMatrix<f64>> {
+    let n = began.len();
+    let first = began.iter().copied().fold(f64::INFINITY, f64::min);
+    let last = began.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let tau = memory * (last - first);
+    let alike = |i: usize, j: usize| (-0.5 * ((began[i] - began[j]) / tau).powi(2)).exp();
+    let eigen = SymmetricEigen::new(DMatrix::from_fn(n, n, alike));
+    let mut order: Vec<usize> = (0..n).collect();
+    order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
+    let (mut kept, mut held) = (Vec::new(), 0.0);
+    for k in order {
+        if held >= HELD * n as f64 {
+            break;
+        }
+        held += eigen.eigenvalues[k];
+        kept.push(k);
+    }
+    (2 * kept.len() <= n).then(|| eigen.eigenvectors.select_columns(&kept))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -205,20 +238,36 @@ mod tests {
         (0..RUNS).map(day).collect()
     }
 
+    /// Two clusters of runs and some between them, s.
+    const IN_CLUSTERS: [f64; 16] = [
+        0.0, 15.0, 48.0, 73.0, 90.0, 159.0, 266.0, 280.0, 296.0, 1144.0, 1187.0, 1734.0, 1829.0,
+        1843.0, 1880.0, 1899.0,
+    ];
+
     /// What is found beside scatter where each run has a gain of so many scatters, and the logarithm of its probability.
     fn found(
         gain: impl Fn(usize) -> f64,
         ordered: bool,
         rng: &mut ChaCha8Rng,
     ) -> (Vec<usize>, f64) {
-        let n = RUNS * EACH;
+        found_on(&began(ordered), &LEVELS, gain, rng)
+    }
+
+    /// The same of runs that began at these times.
+    fn found_on(
+        began: &[f64],
+        levels: &[usize],
+        gain: impl Fn(usize) -> f64,
+        rng: &mut ChaCha8Rng,
+    ) -> (Vec<usize>, f64) {
+        let (runs, n) = (began.len(), began.len() * EACH);
         let mut normal = || -> f64 { StandardNormal.sample(rng) };
-        let own: Vec<f64> = (0..RUNS).map(|k| SCATTER * (normal() + gain(k))).collect();
+        let own: Vec<f64> = (0..runs).map(|k| SCATTER * (normal() + gain(k))).collect();
         let residual = DVector::from_fn(n, |i, _| own[i / EACH] + normal());
-        let gains = DMatrix::from_fn(n, RUNS, |i, k| f64::from(u8::from(i / EACH == k)));
+        let gains = DMatrix::from_fn(n, runs, |i, k| f64::from(u8::from(i / EACH == k)));
         let law = DMatrix::from_element(n, 1, 1.0);
         let ground = Ground::new(&law, &gains, &residual, &[]);
-        let asked = questions(&began(ordered), &LEVELS);
+        let asked = questions(began, levels);
         let (question, score) = strongest(&ground, &gains, asked).expect("asked");
         (question.runs(), score.log_p + question.price)
     }
@@ -269,6 +318,23 @@ mod tests {
             of_the_room >= 18 && of_the_load >= 18,
             "{of_the_room}, {of_the_load}"
         );
+    }
+
+    /// A room's air over a day whose runs come in clusters, in scatters.
+    #[test]
+    fn what_wanders_by_the_clock_is_seen() {
+        const AIR: [f64; 16] = [
+            10.6, 10.6, 8.9, 6.8, 6.5, -2.8, -9.6, -11.3, -11.8, -9.9, -12.3, 11.6, 4.0, 3.0, 1.8,
+            -5.9,
+        ];
+        let mut rng = ChaCha8Rng::seed_from_u64(15);
+        let mut log_p = |gain: &dyn Fn(usize) -> f64| {
+            found_on(&IN_CLUSTERS, &[0; IN_CLUSTERS.len()], gain, &mut rng).1
+        };
+        let seen = (0..20).filter(|_| log_p(&|k| AIR[k]) < -9.0).count();
+        assert!(seen >= 18, "{seen} of 20");
+        let alarms = (0..200).filter(|_| log_p(&|_| 0.0) < 0.02_f64.ln());
+        assert!(alarms.count() <= 10);
     }
 
     /// 2 % nominal, all questions paid for, so at most 8 of 400 are expected.
