@@ -140,8 +140,13 @@ fn stand_with(bench: &Bench<'_>, selected: &mut Selected, fitted: Fitted) {
     selected.left = lack(bench, &selected.subset, &selected.stand);
 }
 
-/// All but the k-th cause stay named; `None` where the others cannot be fitted.
-pub(crate) fn take_one_back(bench: &Bench<'_>, selected: &mut Selected, k: usize) -> Option<()> {
+/// All but the k-th cause stay named, and the reader is told why; `None` where the others cannot be fitted.
+pub(crate) fn take_one_back(
+    bench: &Bench<'_>,
+    selected: &mut Selected,
+    k: usize,
+    why: &str,
+) -> Option<()> {
     let (stand, subset) = (&selected.stand, &selected.subset);
     let id = |effect: usize| bench.catalogue[effect].id();
     let taken = id(stand.fitted.effects[k]);
@@ -154,7 +159,7 @@ pub(crate) fn take_one_back(bench: &Bench<'_>, selected: &mut Selected, k: usize
     keep_dominant(bench, selected);
     let beside: Vec<&str> = rest.into_iter().map(id).collect();
     selected.refused.push(format!(
-        "{taken} came in beside {}, but on unseen runs it gains no more than scrambled ones: not named",
+        "{taken} came in beside {}, but {why}: not named",
         beside.join(", ")
     ));
     Some(())

@@ -16,6 +16,8 @@ use crate::whole::Whole;
 
 /// A name is plain where it saves so many times the deviance that it must be worth.
 const PLAIN: f64 = 2.0;
+/// A name is idle beside others where it saves less than this share of it: it was worth all of it when it came in.
+const IDLE: f64 = 0.5;
 
 /// The names of a search and all that follows from them.
 pub(crate) struct Verdict<'a> {
@@ -65,7 +67,8 @@ impl<'a> Verdict<'a> {
     pub(crate) fn hold_against_unseen_runs(&mut self) -> (Option<Gains>, Option<String>) {
         let mut gains = self.gains();
         while let Some(k) = gains.as_ref().and_then(|gains| self.surplus(gains)) {
-            if take_one_back(self.searched, &mut self.selected, k).is_none() {
+            let why = "on unseen runs it gains no more than scrambled ones";
+            if take_one_back(self.searched, &mut self.selected, k, why).is_none() {
                 break;
             }
             self.contests = held_against_rivals(self.searched, &mut self.selected);
@@ -102,11 +105,27 @@ impl<'a> Verdict<'a> {
     }
 }
 
-/// The contests of all names, none where one of them is beaten: then nothing is named.
+/// The contests of all names once those are gone that came in for what others do by now; none where a name is beaten: then nothing is
+/// named.
 fn held_against_rivals(bench: &Bench<'_>, selected: &mut Selected) -> Vec<Contest> {
+    let worth = -2.0 * strict(&selected.first);
     let mut contests = contests(bench, selected);
+    while let Some(k) = idle(&contests, IDLE * worth) {
+        let why = "once all was fitted it saves next to nothing";
+        if take_one_back(bench, selected, k, why).is_none() {
+            break;
+        }
+        contests = self::contests(bench, selected);
+    }
     if refuse_beaten(bench, selected, &contests) {
         contests.clear();
     }
     contests
+}
+
+/// Of several names the one that saves least, where that is less than this.
+fn idle(contests: &[Contest], least: f64) -> Option<usize> {
+    let saved = contests.iter().map(|contest| contest.saved).enumerate();
+    let (k, saved) = saved.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (contests.len() > 1 && saved < least).then_some(k)
 }
