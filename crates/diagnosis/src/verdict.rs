@@ -8,6 +8,7 @@ use crate::assemble::assemble;
 use crate::bench::Bench;
 use crate::contests::contests;
 use crate::equivalence::Contest;
+use crate::floor::noise_floor;
 use crate::gain::{self, Gains};
 use crate::integrity::Integrity;
 use crate::refusal::{refuse_beaten, take_all_back, take_one_back};
@@ -100,7 +101,13 @@ impl<'a> Verdict<'a> {
     fn gains(&self) -> Option<Gains> {
         // Folds select by the force.
         let ties: Vec<Vec<usize>> = self.contests.iter().map(Contest::tied_in_force).collect();
-        let floor = self.answer().noise_floor.rmse;
+        let Whole {
+            bench,
+            apart,
+            extended,
+            ..
+        } = &self.whole;
+        let floor = noise_floor(bench, &self.selected, &extended.prediction, *apart).rmse;
         gain::judge(self.searched, &self.whole, &self.selected, &ties, floor)
     }
 }

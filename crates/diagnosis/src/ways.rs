@@ -8,9 +8,9 @@
 //! ```
 //!
 //! with l how late the velocity is, s. The size of what is left of r is not known; taken at its likeliest, -2 log likelihood is
-//! n ln sum_i (r_i - l dv_i)^2. Only what speaks for a filter counts, as a position that goes with the recorded speeds may be their sum
-//! (by trapezia, r = 0, or by the speed at the end of each way, l = h / 2: then nothing is said);
-//! and every lag counts alike that leaves little, as stages are no better than that at going along chords.
+//! n ln sum_i (r_i - l dv_i)^2. Only what speaks for a filter counts: a position that goes with the recorded speeds may be their sum (by
+//! trapezia r = 0, by the speed at the end of each way l = h / 2, and then nothing is said). Every lag that leaves little counts alike,
+//! as stages are no better than that at going along chords.
 
 use rig::{Experiment, Reach, RunMotion, Station};
 
