@@ -34,10 +34,17 @@ impl Plan {
     /// Step in which the stage coordinate is written, m (rad); `None` where it is not recorded.
     #[must_use]
     pub fn position_step_m(&self) -> Option<f64> {
-        self.records_position.then_some(match self.axis {
-            Axis::Rotary => 1e-6,
-            Axis::Linear => 1e-7,
-        })
+        let decimals = i32::try_from(Digits::of(self.axis).place).expect("a few");
+        self.records_position
+            .then(|| 10_f64.powi(-decimals) / file_scale(self.axis))
+    }
+}
+
+/// Units of the files in one of SI: linear rigs in mm, rotary rigs in rad.
+fn file_scale(axis: Axis) -> f64 {
+    match axis {
+        Axis::Rotary => 1.0,
+        Axis::Linear => 1e3,
     }
 }
 
@@ -49,25 +56,26 @@ struct Digits {
     force: usize,
 }
 
+impl Digits {
+    fn of(axis: Axis) -> Self {
+        let place = match axis {
+            Axis::Rotary => 6,
+            Axis::Linear => 4,
+        };
+        Self {
+            time: 5,
+            speed: place,
+            place,
+            force: 5,
+        }
+    }
+}
+
 /// One run as CSV; linear rigs in mm and N, rotary rigs in rad and N m.
 fn table(recording: &Recording, plan: &Plan) -> String {
     let rotary = plan.axis == Axis::Rotary;
-    let scale = if rotary { 1.0 } else { 1e3 };
-    let digits = if rotary {
-        Digits {
-            time: 5,
-            speed: 6,
-            place: 6,
-            force: 5,
-        }
-    } else {
-        Digits {
-            time: 5,
-            speed: 4,
-            place: 4,
-            force: 5,
-        }
-    };
+    let scale = file_scale(plan.axis);
+    let digits = Digits::of(plan.axis);
     let mut text = String::from(if rotary {
         "time_s,velocity_rad_s"
     } else {
@@ -162,7 +170,7 @@ fn run_metadata(plan: &Plan, index: usize) -> Value {
         } else {
             "start_position_mm"
         };
-        let scale = if plan.axis == Axis::Rotary { 1.0 } else { 1e3 };
+        let scale = file_scale(plan.axis);
         metadata[key] = json!((scale * run.start_position_m * 1e6).round() / 1e6);
     }
     for (key, value) in [

@@ -90,6 +90,12 @@ fn orthonormal(columns: &DMatrix<f64>) -> DMatrix<f64> {
     }
 }
 
+/// Whether the recorded speeds are others than those of the stage.
+fn changes_the_speeds(effects: &[Effect]) -> bool {
+    let mut effects = effects.iter();
+    effects.any(|effect| matches!(effect, Effect::VelocityLag { .. }))
+}
+
 impl Oracle {
     /// Looks at the specimen, protocol, law and noise of `case` with nothing planted.
     ///
@@ -156,25 +162,31 @@ impl Oracle {
     /// The change that these effects make, whitened, law projected out; relative to what the finder would predict from
     /// the recorded velocity.
     fn change(&self, planted: &[Planted]) -> Result<DVector<f64>, String> {
+        Ok(self.project(&self.difference(&self.effects(planted)?)))
+    }
+
+    /// What is planted, at this specimen's scales.
+    fn effects(&self, planted: &[Planted]) -> Result<Vec<Effect>, String> {
         let case = Case {
             planted: planted.to_vec(),
             ..self.case.clone()
         };
-        let effects = case.key()?.effects;
-        Ok(self.project(&self.difference(&effects)))
+        Ok(case.key()?.effects)
     }
 
-    fn difference(&self, effects: &[Effect]) -> DVector<f64> {
+    /// The day with these effects and without noise.
+    fn day(&self, effects: &[Effect]) -> Vec<Recording> {
         let rig = Rig {
             effects: effects.to_vec(),
             ..self.law_rig.clone()
         };
-        let recordings = run_day(&rig, &self.plan, &Noise::NONE, 0);
+        run_day(&rig, &self.plan, &Noise::NONE, 0)
+    }
+
+    fn difference(&self, effects: &[Effect]) -> DVector<f64> {
+        let recordings = self.day(effects);
         let force = stack(&recordings);
-        let lagged = effects
-            .iter()
-            .any(|effect| matches!(effect, Effect::VelocityLag { .. }));
-        let reference = if lagged {
+        let reference = if changes_the_speeds(effects) {
             self.predicted_from(&recordings)
         } else {
             self.clean.clone()

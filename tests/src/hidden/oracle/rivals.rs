@@ -2,12 +2,10 @@
 
 use nalgebra::DVector;
 use planting::effect::Effect;
-use planting::machine::run_day;
-use planting::plan::Noise;
 use planting::species::CAUSES;
 use planting::{Base, Case, Planted};
 
-use super::{Oracle, THRESHOLD, is_periodic};
+use super::{Oracle, THRESHOLD, changes_the_speeds, is_periodic};
 
 /// Distance below which two explanations count as the same.
 const INSEPARABLE: f64 = 4.7;
@@ -68,10 +66,16 @@ impl Oracle {
         let Some(step_m) = self.plan.position_step_m() else {
             return Ok(false);
         };
-        let (speeds, plain) = (self.speeds(planted)?, self.speeds(&[])?);
+        let effects = self.effects(planted)?;
+        if !changes_the_speeds(&effects) {
+            return Ok(false);
+        }
         let mut squares = 0.0;
-        for (speed, plain) in speeds.iter().zip(&plain) {
-            let ways = speed.windows(2).zip(plain.windows(2));
+        for (changed, plain) in self.day(&effects).iter().zip(&self.day(&[])) {
+            let ways = changed
+                .velocity_m_s
+                .windows(2)
+                .zip(plain.velocity_m_s.windows(2));
             let ways = ways.map(|(with, without)| {
                 (with[0] + with[1] - without[0] - without[1]) / (2.0 * self.plan.sample_rate_hz)
             });
@@ -79,17 +83,6 @@ impl Oracle {
         }
         // Either end of a way is written to the nearest step.
         Ok(squares > (THRESHOLD * step_m).powi(2) / 6.0)
-    }
-
-    /// Recorded speeds of each run.
-    fn speeds(&self, planted: &[Planted]) -> Result<Vec<Vec<f64>>, String> {
-        let case = Case {
-            planted: planted.to_vec(),
-            ..self.case.clone()
-        };
-        let (rig, plan, _) = case.set_up()?;
-        let recordings = run_day(&rig, &plan, &Noise::NONE, 0);
-        Ok(recordings.into_iter().map(|run| run.velocity_m_s).collect())
     }
 
     /// Distance of a change from a rival at its best size, the rival's own bend allowed for: a delay of a corner is no multiple of a
