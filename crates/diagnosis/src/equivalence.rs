@@ -55,6 +55,8 @@ pub(crate) struct Opponent {
     pub(crate) excess_deviance: f64,
     /// and what of it the recorded positions say (P1).
     of_the_positions: f64,
+    /// Deviance by which roughness speaks for a filter, where the rival is one and the cause is none: it has passed one.
+    seen_in_roughness: f64,
     /// What the rival pays for its parameters and its search (a searched period) beyond what the cause pays.
     charge: f64,
     /// The fit with the rival, where one was made.
@@ -100,7 +102,9 @@ impl Contest {
                 let spread = 2.0 * o.separation;
                 (o.separation.powi(2) + CONTRADICTED_SPREADS * spread).max(CONTRADICTED_LEAST)
             };
-            o.fitted.is_some() && o.excess_deviance - apart(o) > most
+            // Nor does the fit of a delay refute a filter that roughness has passed, unless it says more than roughness does.
+            o.excess_deviance.is_finite()
+                && o.excess_deviance - apart(o) - o.seen_in_roughness > most
         };
         // What came as near to the record belongs to the set, however far apart the protocol should hold the two.
         let as_good = |o: &Opponent| o.loss() - apart(o) < AS_GOOD;
@@ -150,6 +154,14 @@ pub(crate) fn contest(
     let projected = beside.ground.project_vector(&white.column(0).into_owned());
     let length = beside.ground.distance(&projected, scatter);
     let own = full.effects[k];
+    let filters = |cause: usize| bench.catalogue[cause].filters_force();
+    let late = subset.lateness();
+    let passed = if late.lag_s > 0.0 && !full.effects.iter().any(|&e| filters(e)) {
+        let delayed = subset.late_by(late.unfiltered());
+        (stand.deviance_with(bench, &delayed, stand.sizes) - stand.deviance).max(0.0)
+    } else {
+        0.0
+    };
     let mut opponents: Vec<Opponent> = Vec::new();
     for candidate in &found.candidates {
         if bench.catalogue[candidate.cause].id() == bench.catalogue[own].id() {
@@ -169,6 +181,11 @@ pub(crate) fn contest(
             separation,
             excess_deviance: f64::INFINITY,
             of_the_positions: 0.0,
+            seen_in_roughness: if filters(candidate.cause) {
+                passed
+            } else {
+                0.0
+            },
             charge: search_price(bench, candidate.cause) - search_price(bench, own),
             fitted: None,
         });
@@ -286,4 +303,36 @@ pub(crate) fn sine(left: &[DMatrix<f64>], right: &[DMatrix<f64>]) -> Option<f64>
             (1.0 - cosine * cosine).sqrt()
         })
         .min_by(f64::total_cmp)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether a rival 1.4 away that fits worse by 32 belongs to the set, roughness speaking so much for it.
+    fn is_tied(seen_in_roughness: f64) -> bool {
+        let opponent = Opponent {
+            cause: 3,
+            second_form: false,
+            separation: 1.4,
+            excess_deviance: 32.0,
+            of_the_positions: 0.0,
+            seen_in_roughness,
+            charge: 0.0,
+            fitted: None,
+        };
+        let contest = Contest {
+            saved: 400.0,
+            length: 20.0,
+            opponents: vec![opponent],
+        };
+        contest.tied() == [3]
+    }
+
+    #[test]
+    fn a_filter_that_roughness_has_passed_is_not_refuted_by_a_fit_that_says_less() {
+        assert!(!is_tied(0.0));
+        assert!(!is_tied(15.0));
+        assert!(is_tied(30.0));
+    }
 }

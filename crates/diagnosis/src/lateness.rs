@@ -38,6 +38,11 @@ impl Lateness {
         self.delay_s + left_s(step_s, self.lag_s)
     }
 
+    /// As late without a filter.
+    pub(crate) fn unfiltered(self) -> Self {
+        self.delay(self.delay_s + self.lag_s)
+    }
+
     fn delay(self, delay_s: f64) -> Self {
         Self {
             delay_s,

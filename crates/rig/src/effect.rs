@@ -313,6 +313,11 @@ pub trait Cause: Hooks {
         0.0
     }
 
+    /// Whether roughness reaches the record through a filter where this is what makes the force late.
+    fn filters_force(&self) -> bool {
+        false
+    }
+
     /// Steps from sample to sample through which the contact must be carried to follow what the stage or the channel does at these
     /// fitted parameters (1: the samples follow it).
     fn steps_a_sample(&self, _p: &[f64], _run: &RunMotion) -> usize {

@@ -40,6 +40,10 @@ macro_rules! second_order_form {
             $plain.lateness_s(p)
         }
 
+        fn filters_force(&self) -> bool {
+            $plain.filters_force()
+        }
+
         fn steps_a_sample(&self, p: &[f64], run: &rig::RunMotion) -> usize {
             $plain.steps_a_sample(p, run)
         }

@@ -57,6 +57,10 @@ impl Cause for SensorLag {
         p[0]
     }
 
+    fn filters_force(&self) -> bool {
+        true
+    }
+
     fn steps_a_sample(&self, p: &[f64], run: &RunMotion) -> usize {
         grids::steps_within(p[0], run)
     }

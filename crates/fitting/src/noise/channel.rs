@@ -10,9 +10,8 @@
 //! which the filter along the runs carries as states. At the first sample of a run everything has rested before.
 
 use std::ops::Range;
-use std::sync::Arc;
 
-use super::lag::Lag;
+use super::lag::{self, Lag, UndoneLag};
 use super::ring::{Coefficients, Ring};
 
 /// The way from the force to the record, of all runs.
@@ -42,7 +41,7 @@ pub(super) struct Colour {
 
 impl Channel {
     /// The channel as it is undone where samples lie at these distances slid and the roughness has this length.
-    pub(super) fn undone(self: &Arc<Self>, sliding: &[f64], length: f64) -> Undone {
+    pub(super) fn undone(&self, sliding: &[f64], length: f64) -> Undone {
         let rings = self.rings.iter().map(|(run, ring)| {
             let further = |i: usize| (sliding[i] - sliding[i.max(run.start + 1) - 1]) / length;
             let second = (run.start + 1).min(run.end - 1);
@@ -55,7 +54,7 @@ impl Channel {
         });
         Undone {
             rings: rings.collect(),
-            channel: Arc::clone(self),
+            lag: self.lag.undone(sliding, length),
         }
     }
 }
@@ -63,7 +62,8 @@ impl Channel {
 /// A channel as it is undone, sample by sample.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Undone {
-    channel: Arc<Channel>,
+    /// The filter; empty where there is none.
+    lag: Vec<UndoneLag>,
     rings: Vec<UndoneRing>,
 }
 
@@ -141,7 +141,7 @@ impl Undone {
         if !self.rings.is_empty() {
             MOST_STATES
         } else {
-            usize::from(!self.channel.lag.is_empty())
+            usize::from(!self.lag.is_empty())
         }
     }
 
@@ -153,7 +153,8 @@ impl Undone {
         }
         for run in runs {
             let ring = self.rings.iter().find(|ring| ring.run == *run);
-            let mut before = ring.map_or(1.0, UndoneRing::at_rest);
+            let filter = |i: usize| self.lag.get(i).copied().unwrap_or(UndoneLag::NONE);
+            let mut before = ring.map_or(1.0, UndoneRing::at_rest) * filter(run.start).lead;
             for i in run.clone() {
                 if i == run.start {
                     out.push(Colour {
@@ -162,14 +163,15 @@ impl Undone {
                     });
                     continue;
                 }
-                let (over, back) = ring.map_or(([1.0, 0.0, 0.0], [0.0; 3]), |ring| {
+                let (over, under) = ring.map_or(([1.0, 0.0, 0.0], [0.0; 2]), |ring| {
                     let Coefficients { lead, zeros } = ring.at[i - run.start];
                     let [first, second] = ring.poles;
-                    let over = [lead, lead * first, lead * second];
-                    (over, [zeros[0], zeros[1], 0.0])
+                    ([lead, lead * first, lead * second], zeros)
                 });
-                let (b, h) = self.channel.lag.noise(i);
-                // (over_0 + over_1 B + over_2 B^2)(b + h B)
+                let UndoneLag { lead, fade, zero } = filter(i);
+                // (1 + under_0 B + under_1 B^2)(1 + zero B) and (over_0 + over_1 B + over_2 B^2)(b + h B)
+                let back = [under[0] + zero, under[1] + under[0] * zero, under[1] * zero];
+                let (b, h) = (lead, -lead * fade);
                 let c = [
                     over[0] * b,
                     over[0] * h + over[1] * b,
@@ -194,17 +196,12 @@ impl Undone {
 
     /// log |det| of the map from the record to z.
     pub(super) fn log_det(&self) -> f64 {
-        self.channel.lag.log_det() + self.rings.iter().map(UndoneRing::log_det).sum::<f64>()
+        lag::log_det(&self.lag) + self.rings.iter().map(UndoneRing::log_det).sum::<f64>()
     }
 
     /// z from the record.
     pub(super) fn take_out(&self, record: &mut [f64]) {
-        self.channel.lag.take_out(record);
-        self.take_out_rings(record);
-    }
-
-    /// z from a record that the filter is taken out of already: no size of the noise changes that.
-    pub(super) fn take_out_rings(&self, record: &mut [f64]) {
+        lag::take_out(&self.lag, record);
         for ring in &self.rings {
             ring.take_out(&mut record[ring.run.clone()]);
         }
@@ -215,6 +212,6 @@ impl Undone {
         for ring in &self.rings {
             ring.take_out_transposed(&mut record[ring.run.clone()]);
         }
-        self.channel.lag.take_out_transposed(record);
+        lag::take_out_transposed(&self.lag, record);
     }
 }

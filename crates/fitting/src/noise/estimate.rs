@@ -110,7 +110,7 @@ pub fn estimate(
     mean.view_mut((0, p), (n, q)).copy_from(within);
     mean.view_mut((0, p + q), (n, gains.ncols()))
         .copy_from(&gains);
-    let criterion = Criterion::new(context, mean, residual);
+    let criterion = Criterion::new(context, &mean, residual);
     let plate_separable = context.shared_places() > 0.05;
     let mut frame = Frame::new(context, &criterion, options, plate_separable);
 

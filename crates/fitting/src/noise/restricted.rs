@@ -17,7 +17,7 @@ use super::plate::{Grid, Information, Rows};
 use super::scatter::orthonormal_basis;
 use super::vectors::wide;
 
-/// The data of the criterion: the channel's filter taken out and the columns orthonormalised once.
+/// The data of the criterion, the columns orthonormalised once.
 pub(super) struct Criterion<'a> {
     context: &'a Context,
     /// Basis of the mean's space, the residual as last column.
@@ -25,17 +25,7 @@ pub(super) struct Criterion<'a> {
 }
 
 impl<'a> Criterion<'a> {
-    pub(super) fn new(context: &'a Context, mean: DMatrix<f64>, residual: &DVector<f64>) -> Self {
-        let lag = &context.channel.lag;
-        let (mut mean, mut residual) = (mean, residual.clone());
-        mean.column_iter_mut()
-            .for_each(|mut column| lag.take_out(column.as_mut_slice()));
-        lag.take_out(residual.as_mut_slice());
-        Self::unfiltered(context, &mean, &residual)
-    }
-
-    /// Of columns from which the channel's filter has been taken out.
-    fn unfiltered(context: &'a Context, mean: &DMatrix<f64>, residual: &DVector<f64>) -> Self {
+    pub(super) fn new(context: &'a Context, mean: &DMatrix<f64>, residual: &DVector<f64>) -> Self {
         let basis = orthonormal_basis(mean);
         let rest = residual - &basis * basis.tr_mul(residual);
         let p = basis.ncols();
@@ -58,11 +48,9 @@ impl<'a> Criterion<'a> {
     /// The same with one more column in the mean.
     pub(super) fn with_column(&self, column: &DVector<f64>) -> Self {
         let p = self.columns.ncols() - 1;
-        let mut column = column.clone();
-        self.context.channel.lag.take_out(column.as_mut_slice());
         let mut mean = self.columns.clone();
-        mean.set_column(p, &column);
-        Self::unfiltered(self.context, &mean, &self.columns.column(p).into_owned())
+        mean.set_column(p, column);
+        Self::new(self.context, &mean, &self.columns.column(p).into_owned())
     }
 
     /// C of (N3); infinite where the sizes make no covariance.
@@ -99,8 +87,6 @@ impl<'a> Criterion<'a> {
         let mut columns = self.columns.clone().resize_horizontally(p + 1 + q, 0.0);
         for (k, column) in further.column_iter().enumerate() {
             columns.set_column(p + 1 + k, &column);
-            let mut column = columns.column_mut(p + 1 + k);
-            self.context.channel.lag.take_out(column.as_mut_slice());
         }
         let (gram, _) = self.whitened(columns, sizes, spacing);
         let factor = Cholesky::new(gram.view((0, 0), (p, p)).into_owned())?;
@@ -143,9 +129,7 @@ impl<'a> Criterion<'a> {
         let along = Along::new(self.context, sizes, &undone, grid.unresolved(sizes));
         let n = columns.nrows();
         let mut parts: Vec<&mut [f64]> = columns.as_mut_slice().chunks_mut(n).collect();
-        parts
-            .iter_mut()
-            .for_each(|column| undone.take_out_rings(column));
+        parts.iter_mut().for_each(|column| undone.take_out(column));
         along.whiten(&mut parts);
         let mut gram = gram(&columns);
         let mut log_det = along.log_det - 2.0 * undone.log_det();

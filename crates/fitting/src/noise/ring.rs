@@ -199,8 +199,6 @@ fn moving_average(
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
@@ -241,9 +239,7 @@ mod tests {
             rings: vec![(run, ring)],
             ..Channel::default()
         };
-        Arc::new(channel)
-            .undone(&sliding, 1.0)
-            .take_out(&mut record);
+        channel.undone(&sliding, 1.0).take_out(&mut record);
         record
     }
 
