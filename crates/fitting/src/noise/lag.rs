@@ -18,6 +18,8 @@
 //! and lead makes z what (N1) says of a record without a filter, of unit size and with neighbours alike to exp(-x). Undone so, an input
 //! that moves on between the samples comes out late by [`left_s`].
 
+use super::ring::FURTHER;
+
 /// The filter of a record that has one, a sample; empty: none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lag {
@@ -33,9 +35,6 @@ pub(super) struct UndoneLag {
     pub(super) fade: f64,
     pub(super) zero: f64,
 }
-
-/// Lengths of roughness that a sample is further, least and most: what lies beyond hardly changes.
-const FURTHER: (f64, f64) = (0.02, 32.0);
 
 impl Lag {
     /// From the time since the sample before (zero at the first of a run), s, and the time constant, s.
@@ -100,7 +99,7 @@ impl UndoneLag {
         };
         let (a, kappa) = ((-step).exp(), x / step);
         let rho = (-x).exp();
-        let cov = |k: i32| (rho.powi(k) - kappa * a.powi(k)) / (1.0 - kappa * kappa);
+        let cov = [0, 1, 2, 3].map(|k| (rho.powi(k) - kappa * a.powi(k)) / (1.0 - kappa * kappa));
         // (1 - rho B)(1 - a B) = 1 - sum B + product B^2, its products with itself, and what they make of the covariance
         let (sum, product) = (rho + a, rho * a);
         let own = [
@@ -108,8 +107,8 @@ impl UndoneLag {
             -sum * (1.0 + product),
             product,
         ];
-        let none = own[0] * cov(0) + 2.0 * (own[1] * cov(1) + own[2] * cov(2));
-        let one = own[0] * cov(1) + own[1] * (cov(0) + cov(2)) + own[2] * (cov(1) + cov(3));
+        let none = own[0] * cov[0] + 2.0 * (own[1] * cov[1] + own[2] * cov[2]);
+        let one = own[0] * cov[1] + own[1] * (cov[0] + cov[2]) + own[2] * (cov[1] + cov[3]);
         // variance (1 + c^2) = none, variance c = one
         let root = (none * none - 4.0 * one * one).max(0.0).sqrt();
         let variance = 0.5 * (none + root);
@@ -170,6 +169,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
 
+    use super::super::tests::assert_is_rough;
     use super::*;
 
     fn lag() -> Lag {
@@ -211,25 +211,8 @@ mod tests {
             let lag = Lag::new((0..SAMPLES).map(|i| if i > 0 { step } else { 0.0 }), 1.0);
             let sliding: Vec<f64> = (0..SAMPLES).map(|i| i as f64 * further).collect();
             take_out(&lag.undone(&sliding, 1.0), &mut record);
-            let fade = (-further).exp();
-            let size = (1.0 - fade * fade).sqrt();
-            let white: Vec<f64> = record
-                .windows(2)
-                .map(|p| (p[1] - fade * p[0]) / size)
-                .collect();
-            let mean = |k: usize| {
-                let products = white[50..].iter().zip(&white[50 + k..]).map(|(a, b)| a * b);
-                products.sum::<f64>() / (white.len() - 50 - k) as f64
-            };
             // 5950 numbers: 1.8 % for the variance, 1.3 % for the correlations
-            assert!(
-                (mean(0) - 1.0).abs() < 0.07,
-                "{step} {further}: {}",
-                mean(0)
-            );
-            for k in 1..5 {
-                assert!(mean(k).abs() < 0.05, "{step} {further}, {k}: {}", mean(k));
-            }
+            assert_is_rough(&record, further, (0.07, 0.05), &format!("{step}"));
         }
     }
 

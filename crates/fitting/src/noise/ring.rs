@@ -36,7 +36,7 @@ pub(super) struct Coefficients {
 }
 
 /// Lengths of roughness that a sample is further, least and most: what lies beyond hardly changes. The table has two a doubling.
-const FURTHER: (f64, f64) = (0.02, 32.0);
+pub(super) const FURTHER: (f64, f64) = (0.02, 32.0);
 const A_DOUBLING: f64 = 2.0;
 
 /// Numbers of one mass on a spring.
@@ -204,6 +204,7 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
 
     use super::super::channel::Channel;
+    use super::super::tests::assert_is_rough;
     use super::*;
 
     const SPRING: Spring = Spring {
@@ -282,25 +283,8 @@ mod tests {
             let record = tension(&SPRING, step, &mut force);
             let ring = Ring::new(&SPRING, step).expect("visible");
             let back = taken_out(ring, record, further);
-            let fade = (-further).exp();
-            let size = (1.0 - fade * fade).sqrt();
-            let white: Vec<f64> = back
-                .windows(2)
-                .map(|p| (p[1] - fade * p[0]) / size)
-                .collect();
-            let mean = |k: usize| {
-                let products = white[50..].iter().zip(&white[50 + k..]).map(|(a, b)| a * b);
-                products.sum::<f64>() / (white.len() - 50 - k) as f64
-            };
             // 3950 numbers: 2.3 % for the variance, 1.6 % for the correlations
-            assert!(
-                (mean(0) - 1.0).abs() < 0.09,
-                "{rate} {further}: {}",
-                mean(0)
-            );
-            for k in 1..5 {
-                assert!(mean(k).abs() < 0.06, "{rate} {further}, {k}: {}", mean(k));
-            }
+            assert_is_rough(&back, further, (0.09, 0.06), &format!("{rate}"));
         }
     }
 

@@ -112,3 +112,35 @@ const SMOOTH_PLATE: Sizes = Sizes {
     plate_smoothing: 0.7,
     ..SIZES
 };
+
+/// Samples that lie `further` lengths apart are those of roughness of unit size: its steps are white, to these bounds of the variance and
+/// of the correlations.
+pub(super) fn assert_is_rough(
+    samples: &[f64],
+    further: f64,
+    (of_variance, of_correlations): (f64, f64),
+    what: &str,
+) {
+    /// Samples after which the start is forgotten.
+    const BEGUN: usize = 50;
+    let fade = (-further).exp();
+    let size = (1.0 - fade * fade).sqrt();
+    let pairs = samples.windows(2);
+    let white: Vec<f64> = pairs.map(|p| (p[1] - fade * p[0]) / size).collect();
+    let mean = |k: usize| {
+        let products = white[BEGUN..].iter().zip(&white[BEGUN + k..]);
+        products.map(|(a, b)| a * b).sum::<f64>() / (white.len() - BEGUN - k) as f64
+    };
+    let variance = mean(0);
+    assert!(
+        (variance - 1.0).abs() < of_variance,
+        "{what} {further}: {variance}"
+    );
+    for k in 1..5 {
+        assert!(
+            mean(k).abs() < of_correlations,
+            "{what} {further}, {k}: {}",
+            mean(k)
+        );
+    }
+}
