@@ -7,13 +7,11 @@ use fitting::noise::{EstimateOptions, NoiseModel, Search, Sizes, Whitener, estim
 use fitting::{Bounds, Options as SolverOptions, Residuals, minimise};
 use friction::LawKind;
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
 use rig::{Cause, Experiment, Model, Paths};
 
 use crate::condense::Condensed;
 use crate::prior::{Prior, append_prior, with_prior_rows};
 use crate::samples::Samples;
-use crate::starts::ranked;
 use crate::subset::Subset;
 use crate::ways::Ways;
 
@@ -103,29 +101,6 @@ impl Fitted {
 /// Steps of a cord for each sample: what sticks and slips too fast for them is not in the record, and most of a search would be spent
 /// on cords that do.
 const STEPS_A_SAMPLE: usize = 20;
-/// Starts of the law that are fitted, and steps of each: the nearest of all that are looked at, then the better of those that ended
-/// apart from one another.
-const LAW_ROUNDS: [(usize, u64); 3] = [(12, 4), (6, 8), (3, 60)];
-/// Starts spread about the typical sizes, beside those that the record suggests.
-const STARTS_SPREAD: usize = 32;
-
-/// Law parameters spread about their typical sizes, a factor of four each way, both signs where bounds allow.
-fn spread_about(model: &Model) -> Vec<Vec<f64>> {
-    let specs = &model.parameters()[..model.law_parameters()];
-    let (low, high): (Vec<f64>, Vec<f64>) = specs
-        .iter()
-        .map(|s| {
-            let wide = 4.0 * s.typical.abs();
-            if s.lower >= 0.0 {
-                ((s.typical / 4.0).max(s.lower), wide.min(s.upper))
-            } else {
-                ((-wide).max(s.lower), wide.min(s.upper))
-            }
-        })
-        .unzip();
-    fitting::spread_starts(&low, &high, STARTS_SPREAD)
-}
-
 /// Which parameters move in a fit.
 fn movable(model: &Model, subset: &Subset, runs: usize) -> Vec<bool> {
     let mut free = vec![true; model.parameters().len()];
@@ -382,96 +357,6 @@ impl<'a> Bench<'a> {
             plate_smoothing: 0.0,
             scatter: 0.01,
         }
-    }
-
-    /// Law parameters from which fits may start: what the record suggests, and a spread about typical sizes (or the model
-    /// file's alone).
-    pub(crate) fn law_starts(&self, model: &Model) -> Vec<Vec<f64>> {
-        match &self.prior {
-            Some(prior) => vec![prior.values.clone()],
-            None => {
-                let features = identification::features(self.campaign);
-                let mut starts =
-                    identification::starts(self.law, &features, self.experiment.height_m, None);
-                starts.extend(spread_about(model));
-                starts
-            }
-        }
-    }
-
-    /// Starts of a law that does nearly without a stretch before sliding: where something else on the rig is elastic, the record
-    /// shows that instead.
-    pub(crate) fn stiff_law_starts(&self) -> Vec<Vec<f64>> {
-        /// Share of the stretch that is left to the contact.
-        const LEFT: f64 = 0.1;
-        if self.prior.is_some() {
-            return Vec::new();
-        }
-        let mut features = identification::features(self.campaign);
-        features.half_way *= LEFT;
-        identification::starts(self.law, &features, self.experiment.height_m, None)
-    }
-
-    /// The law alone, from the starts that the record suggests (or from the model file). Where rough fits stay above `hopeless`
-    /// (in units of their cost) the best of them is the answer.
-    pub(crate) fn law_fit(&self, subset: &Subset, sizes: &Sizes, hopeless: f64) -> Option<Fitted> {
-        let scale = self.crude_scale();
-        let context = subset.context(self, &scale);
-        let whitener = Whitener::new(&context, sizes);
-        let model = self.model(&[])?;
-        let starts = self.law_starts(&model);
-        // All starts are looked at, the nearest are fitted.
-        let wholes: Vec<Vec<f64>> = starts
-            .iter()
-            .map(|start| model.at_null(start, &self.experiment))
-            .collect();
-        let ranked = ranked(self, subset, &whitener, &model, wholes, Paths::NONE);
-        let mut from: Vec<Vec<f64>> = ranked.into_iter().map(|(_, whole)| whole).collect();
-        let mut best: Option<Fitted> = None;
-        for (round, (most, steps)) in LAW_ROUNDS.into_iter().enumerate() {
-            if round + 1 == LAW_ROUNDS.len() && best.as_ref().is_some_and(|b| b.cost > hopeless) {
-                break;
-            }
-            from.truncate(most);
-            let fits: Vec<Option<Fitted>> = from
-                .par_iter()
-                .map(|start| self.fit(subset, &[], start, &whitener, None, steps))
-                .collect();
-            let mut fits: Vec<Fitted> = fits.into_iter().flatten().collect();
-            fits.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-            let fits = self.apart(subset, &whitener, fits);
-            from = fits.iter().map(|fit| fit.parameters.clone()).collect();
-            best = fits.into_iter().next();
-        }
-        best
-    }
-
-    /// Fits, best first, without those that have come to where a better one is.
-    fn apart(&self, subset: &Subset, whitener: &Whitener, fits: Vec<Fitted>) -> Vec<Fitted> {
-        /// Share of a fit's own cost.
-        const SAME: f64 = 1e-3;
-        if fits.is_empty() {
-            return fits;
-        }
-        let columns: Vec<DVector<f64>> = fits
-            .iter()
-            .map(|fit| subset.gather(&fit.prediction))
-            .collect();
-        let white = whitener.whiten_columns(&DMatrix::from_columns(&columns));
-        let distance = |a: usize, b: usize| (white.column(a) - white.column(b)).norm_squared();
-        let mut kept: Vec<usize> = Vec::new();
-        for k in 0..fits.len() {
-            if kept
-                .iter()
-                .all(|&better| distance(better, k) > SAME * fits[k].cost)
-            {
-                kept.push(k);
-            }
-        }
-        let all = fits.into_iter().enumerate();
-        all.filter(|(k, _)| kept.contains(k))
-            .map(|(_, fit)| fit)
-            .collect()
     }
 
     /// Something like the friction force before any fit: the record, smoothed over a few samples.

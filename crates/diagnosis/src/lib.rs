@@ -36,6 +36,7 @@ mod intervals;
 mod joint;
 mod judged;
 mod lateness;
+mod law_fit;
 mod laws;
 mod left;
 mod look_back;

@@ -111,6 +111,7 @@ pub(crate) fn lacking(bench: &Bench<'_>) -> Vec<Undecidable> {
 fn remedy(lack: rig::Requirement) -> &'static str {
     match lack {
         rig::Requirement::Load => "record the normal load",
+        rig::Requirement::NoLoad => "diagnose the record without its load",
         rig::Requirement::TwoLoads => "repeat two runs at twice the load",
         rig::Requirement::Order => "write down the order of the runs",
         rig::Requirement::Clock => "write down when each run started",

@@ -10,7 +10,7 @@ use rig::{Cause, Experiment, Follows, Model, Requirement, Station};
 use rigs::{BRISTLE, LUGRE, rich};
 
 /// Ids, stations and reported parameters, as other programs know them.
-const VOCABULARY: [(&str, &str, &[&str]); 65] = [
+const VOCABULARY: [(&str, &str, &[&str]); 66] = [
     (
         "stage-ripple",
         "stage",
@@ -50,6 +50,7 @@ const VOCABULARY: [(&str, &str, &[&str]); 65] = [
         &["compliance_m_n", "damping_n_s_m", "mass_kg"],
     ),
     ("stribeck-shape", "law", &["exponent_minus_2"]),
+    ("velocity-strengthening", "law", &["quadratic_s2_m2"]),
     ("velocity-strengthening", "law", &["quadratic_s2_m2"]),
     ("velocity-strengthening", "law", &["quadratic_s2_m2"]),
     ("lean-angle", "law", &["angle_rad"]),

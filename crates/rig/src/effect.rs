@@ -55,6 +55,8 @@ pub enum Follows {
 pub enum Requirement {
     /// A recorded load.
     Load,
+    /// No load: the law is one of forces.
+    NoLoad,
     /// At least two loads.
     TwoLoads,
     /// The order of the runs.
@@ -74,6 +76,7 @@ impl Requirement {
     pub fn is_met(self, experiment: &Experiment) -> bool {
         match self {
             Requirement::Load => experiment.has_load,
+            Requirement::NoLoad => !experiment.has_load,
             Requirement::TwoLoads => experiment.has_load && experiment.has_two_loads(),
             Requirement::Order => experiment.has_order,
             Requirement::Clock => experiment.has_clock,
@@ -87,6 +90,7 @@ impl Requirement {
     pub const fn lack(self) -> &'static str {
         match self {
             Requirement::Load => "no load is recorded",
+            Requirement::NoLoad => "a load is recorded",
             Requirement::TwoLoads => "all runs have one load",
             Requirement::Order => "the order of the runs is not recorded",
             Requirement::Clock => "the start of the runs on the campaign's clock is not recorded",

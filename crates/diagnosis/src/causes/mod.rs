@@ -25,7 +25,7 @@ catalogue! {
     stage_ripple::StageRipple, EdgedRipple, ToothedRipple, HarmonicRipple;
     cord_compliance::CordCompliance, CordBesideMass;
     stribeck_shape::StribeckShape;
-    velocity_strengthening::AddedStrengthening, VelocityStrengthening;
+    velocity_strengthening::AddedStrengthening, VelocityStrengthening, ForceStrengthening;
     lean_angle::LeanAngle;
     bristle_set::BristleSet, KeptSet, LastWaySet, LostSet, SlidingSet;
     wear::Wear, WearByDecades;

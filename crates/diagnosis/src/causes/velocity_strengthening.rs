@@ -1,11 +1,23 @@
 //! Friction grows faster than linearly with speed. The square is added to the coefficient, mu + q v |v|, q in s^2/m^2: it grows at once where
 //! the bristles are still bending, and by as much in both directions. Or it is a factor, mu (1 + q v^2), which means the same with and without
-//! a load. One q is mu times the other, so the plain form comes first wherever a load is recorded.
+//! a load. One q is mu times the other, so the plain form comes first wherever a load is recorded. Where none is, the factor comes first, and
+//! what is added is a force, F + q v |v|, q in N s^2/m^2 as the law's own parameters are in newtons there. Where friction builds up over a way
+//! on which the speed changes, the two differ.
 
 use friction::{ParameterSpec, Scalar};
 use rig::{Cause, Experiment, Place, Reach, Requirement, Station};
 
 use super::grids;
+
+const FORCE_PARAMETERS: &[ParameterSpec] = &[
+    ParameterSpec::new("quadratic_s2_m2", "N s^2/m^2", "quadratic coefficient", -1e9, 1e9, 1.0).with_null(0.0),
+];
+
+/// q of what is added: the typical friction at the campaign's speed is the unit.
+fn added(experiment: &Experiment, spec: &ParameterSpec) -> ParameterSpec {
+    let unit = experiment.scales.friction / experiment.scales.speed_m_s.powi(2);
+    grids::bounded(spec, -0.9 * unit, 100.0 * unit, 0.05 * unit)
+}
 
 /// Friction grows with the square of the speed.
 #[derive(Clone, Copy, Debug)]
@@ -82,14 +94,60 @@ impl Cause for AddedStrengthening {
     }
 
     fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
-        let unit = experiment.scales.friction / experiment.scales.speed_m_s.powi(2);
-        vec![grids::bounded(&PARAMETERS[0], -0.9 * unit, 100.0 * unit, 0.05 * unit)]
+        vec![added(experiment, &PARAMETERS[0])]
     }
 
     fn record<D: Scalar>(&self, p: &[D], at: Place<'_>, force_n: &mut [D]) {
-        let motion = at.run.velocity_m_s.iter().zip(&at.run.load_n);
-        for (f, (&v, &load)) in force_n.iter_mut().zip(motion) {
-            *f += p[0] * (v * v.abs() * load);
-        }
+        add(p[0], at, force_n);
+    }
+}
+
+/// The square of the speed is added to the force, on a rig without a load.
+#[derive(Clone, Copy, Debug)]
+pub struct ForceStrengthening;
+
+impl Cause for ForceStrengthening {
+    fn id(&self) -> &'static str {
+        "velocity-strengthening"
+    }
+
+    fn variant(&self) -> Option<&'static str> {
+        Some("added-force")
+    }
+
+    fn station(&self) -> Station {
+        Station::Law
+    }
+
+    fn reach(&self) -> Reach {
+        Reach::Record
+    }
+
+    fn describe(&self) -> &'static str {
+        "Friction grows with the square of the speed."
+    }
+
+    fn parameters(&self) -> &'static [ParameterSpec] {
+        FORCE_PARAMETERS
+    }
+
+    fn requirements(&self) -> &'static [Requirement] {
+        &[Requirement::NoLoad]
+    }
+
+    fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
+        vec![added(experiment, &FORCE_PARAMETERS[0])]
+    }
+
+    fn record<D: Scalar>(&self, p: &[D], at: Place<'_>, force_n: &mut [D]) {
+        add(p[0], at, force_n);
+    }
+}
+
+/// F + q v |v| N; N is one in contact where no load is recorded.
+fn add<D: Scalar>(q: D, at: Place<'_>, force_n: &mut [D]) {
+    let motion = at.run.velocity_m_s.iter().zip(&at.run.load_n);
+    for (f, (&v, &load)) in force_n.iter_mut().zip(motion) {
+        *f += q * (v * v.abs() * load);
     }
 }
