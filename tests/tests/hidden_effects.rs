@@ -202,7 +202,7 @@ fn aliens_are_refused() {
 }
 
 /// Shapes that the catalogue knows in a form of its own: an oscillation of the load that goes on between the runs, ageing that sliding
-/// wears off, a play that a run finds as the one before left it.
+/// wears off, a play that a run finds as the one before left it, a square of the speed that is added to the force of a rig without a load.
 #[test]
 fn second_forms_are_named_like_the_first() {
     let second = |id: &str, protocol, place: u64| {
@@ -220,6 +220,7 @@ fn second_forms_are_named_like_the_first() {
         second("velocity-strengthening", Protocol::Rich, 5),
         second("thermal-softening", Protocol::PaperBlocked, 6),
         second("bristle-set", Protocol::Rich, 7),
+        second("velocity-strengthening", Protocol::Drive, 8),
     ];
     assert_none(&complaints(&trials, &[Verdict::Right]));
 }
