@@ -4,7 +4,7 @@
 //! Roughness fixed to the plate repeats in every run as a mark does, and is no error of a law. A mark is told from it by its
 //! size alone: friction raised or lowered by a factor over a short stretch, evenly or towards its middle, or beyond a place, scored against
 //! the field's own spread. The spread's tails are taken from all marks that are asked for, as Student's t with the freedom that their
-//! quantiles show.
+//! quantiles show; but a mark that stands out of all others as none of such a tail would is no part of it.
 //!
 //! A mark makes the plate look rougher than it is. The strongest one is weighed again with the noise estimated beside it, by
 //! what its likelihood gains, each model under its own noise.
@@ -26,7 +26,12 @@ const SUSPECT: f64 = 4.0;
 /// Roughness of the plate beside which its place is sought, as a share of the smaller one of plate and runs.
 const SHARP: f64 = 0.25;
 /// Freedom of the tails: heavier than with the first no mark can be told from the roughness, from the last on they are normal.
-const FREEDOMS: [f64; 7] = [3.0, 4.0, 5.0, 7.0, 10.0, 15.0, 30.0];
+const FREEDOMS: [f64; 7] = [3.0, 4.0, 5.0, 7.0, 10.0, 15.0, NORMAL];
+/// Freedom of tails that count as normal.
+const NORMAL: f64 = 30.0;
+/// How many times the largest of all marks that do not touch it one must be to stand alone. Of a tail that falls with the power -nu, the
+/// largest is so much larger than the next with a probability of LONELY^-nu: in one plate of eighty where nu is 4.
+const LONELY: f64 = 3.0;
 
 /// The strongest mark beside a stand.
 pub(crate) struct Mark {
@@ -145,13 +150,25 @@ impl Search<'_> {
         let rest = own.ground_beside(&white);
         let sums = Sums::new(&own, &rest, &self.cells, self.scale);
         let others = scored(&rest, &sums, self.cells.shapes());
+        let (spread, freedom) = tails(&others);
+        let alone = is_alone(saved.max(0.0).sqrt(), self.largest_apart(&others, extent));
         let weight = Weight {
             deviance: saved.max(0.0),
             explained: saved,
-            tails: tails(&others),
+            tails: (spread, if alone { NORMAL } else { freedom }),
             asked,
         };
         Some(self.mark(extent, &weight))
+    }
+
+    /// Size of the largest of the marks that do not touch this place.
+    fn largest_apart(&self, marks: &[Scored], (from, to): (f64, f64)) -> f64 {
+        let apart = |m: &&Scored| {
+            let (begin, end) = self.cells.extent(m.shape);
+            end < from || begin > to
+        };
+        let sizes = marks.iter().filter(apart).map(|m| m.z.abs());
+        sizes.fold(0.0, f64::max)
     }
 
     /// The strongest mark as it is found beside a plate that is hardly rough, where it is, and how many were asked for: roughness that was
@@ -207,6 +224,11 @@ impl Search<'_> {
     }
 }
 
+/// Whether a mark of this size is no part of the tail of those apart from it.
+fn is_alone(size: f64, largest_apart: f64) -> bool {
+    size > LONELY * largest_apart
+}
+
 /// Spread (at least 1) and freedom of the marks' deviates, from their median and their ninth decile.
 fn tails(marks: &[Scored]) -> (f64, f64) {
     let mut sizes: Vec<f64> = marks.iter().map(|m| m.z.abs()).collect();
@@ -219,6 +241,40 @@ fn tails(marks: &[Scored]) -> (f64, f64) {
     let freedom = FREEDOMS
         .into_iter()
         .find(|&f| quantile(f, 0.9) / quantile(f, 0.5) < high / middle)
-        .unwrap_or(FREEDOMS[FREEDOMS.len() - 1]);
+        .unwrap_or(NORMAL);
     ((middle / quantile(freedom, 0.5)).max(1.0), freedom)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Plates of so many whose largest mark is said to stand alone; marks that know nothing of one another, of Student's t.
+    fn alone(plates: u64, freedom: f64) -> u64 {
+        const MARKS: usize = 300;
+        let student = StudentsT::new(0.0, 1.0, freedom).expect("a distribution");
+        let mut state = 7_u64;
+        let mut uniform = || {
+            state = (state.wrapping_mul(6_364_136_223_846_793_005)).wrapping_add(1);
+            ((state >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+        };
+        let plate = |_: &u64| {
+            let marks = (0..MARKS).map(|_| student.inverse_cdf(uniform()).abs());
+            let (first, second) = marks.fold((0.0_f64, 0.0_f64), |(first, second), z| {
+                (first.max(z), second.max(z.min(first)))
+            });
+            is_alone(first, second)
+        };
+        (0..plates).filter(plate).count() as u64
+    }
+
+    /// Of 400 plates with tails of the fourth power 400 / 3^4, five, are expected, and one of normal tails never.
+    #[test]
+    fn tails_seldom_make_a_mark_that_stands_alone() {
+        let heavy = alone(400, 4.0);
+        assert!((1..=12).contains(&heavy), "{heavy}");
+        assert_eq!(alone(400, NORMAL), 0);
+        // a mark of 17 where all others are below 5 is no roughness, one of 13 may be
+        assert!(is_alone(17.0, 5.0) && !is_alone(13.0, 5.0));
+    }
 }
