@@ -101,6 +101,7 @@ impl Fitted {
 /// Steps of a cord for each sample: what sticks and slips too fast for them is not in the record, and most of a search would be spent
 /// on cords that do.
 const STEPS_A_SAMPLE: usize = 20;
+
 /// Which parameters move in a fit.
 fn movable(model: &Model, subset: &Subset, runs: usize) -> Vec<bool> {
     let mut free = vec![true; model.parameters().len()];

@@ -7,7 +7,7 @@
 use friction::{ParameterSpec, Scalar};
 use rig::{Cause, Experiment, Place, Reach, Requirement, Station};
 
-use super::grids;
+use super::{grids, marker};
 
 const FORCE_PARAMETERS: &[ParameterSpec] = &[
     ParameterSpec::new("quadratic_s2_m2", "N s^2/m^2", "quadratic coefficient", -1e9, 1e9, 1.0).with_null(0.0),
@@ -107,25 +107,7 @@ impl Cause for AddedStrengthening {
 pub struct ForceStrengthening;
 
 impl Cause for ForceStrengthening {
-    fn id(&self) -> &'static str {
-        "velocity-strengthening"
-    }
-
-    fn variant(&self) -> Option<&'static str> {
-        Some("added-force")
-    }
-
-    fn station(&self) -> Station {
-        Station::Law
-    }
-
-    fn reach(&self) -> Reach {
-        Reach::Record
-    }
-
-    fn describe(&self) -> &'static str {
-        "Friction grows with the square of the speed."
-    }
+    marker::form_of!(AddedStrengthening, "added-force");
 
     fn parameters(&self) -> &'static [ParameterSpec] {
         FORCE_PARAMETERS
