@@ -263,6 +263,15 @@ impl Ground {
             .sum()
     }
 
+    /// V(s)^-1 y, see (D1).
+    pub(crate) fn residual_within(&self, scatter: f64) -> DVector<f64> {
+        let s2 = scatter * scatter;
+        let turned = self.turned.iter().zip(&self.lambda);
+        let shares = turned.map(|(t, l)| s2 / (1.0 + s2 * l) * t);
+        let shares = DVector::from_iterator(self.turned.len(), shares);
+        &self.y - &self.gains * shares
+    }
+
     /// T of a direction at a scatter.
     pub(crate) fn statistic(&self, direction: &Direction, scatter: f64) -> f64 {
         let plain = direction.columns.tr_mul(&self.y);

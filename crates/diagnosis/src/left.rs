@@ -1,5 +1,5 @@
 //! What is left beside a fitted model, whatever it is: smooth structure over the plate, speed, time, load or the force's slope,
-//! short bursts, marks on the plate, gains that some runs share. The four searches pay for one another by Bonferroni's bound.
+//! short bursts, marks on the plate, gains that some runs share, shifts of level within a run. The searches pay for one another by Bonferroni's bound.
 
 use nalgebra::DMatrix;
 
@@ -10,11 +10,12 @@ use crate::general::{self, Lack};
 use crate::marks::{self, Mark};
 use crate::patterns::patterns;
 use crate::selection::ALPHA_GENERAL;
+use crate::shifts::shifts;
 use crate::stand::Stand;
 use crate::subset::Subset;
 
-/// Of it, the share that the search for marks on the plate may spend, and that for gains that some runs share: a mark that matters is far
-/// beyond the roughness, and such a gain far beyond the scatter.
+/// Of it, the share that the search for marks on the plate may spend, that for gains that some runs share, and that for shifts within a run: a
+/// mark that matters is far beyond the roughness, such a gain far beyond the scatter, and such a shift far beyond what other runs do.
 const SMALL_SHARE: f64 = 0.05;
 
 /// The general lack-of-fit test beside a stand.
@@ -39,17 +40,19 @@ pub(crate) fn lack(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Lack {
     let mark = marks::strongest(bench, subset, stand, ground);
     let mark = mark.map_or_else(Lack::nothing, Mark::lack);
     let pattern = patterns(ground, stand.white_gains(), &samples, &names);
+    let shift = shifts(bench, subset, stand, ground, &samples);
     let paid = |mut lack: Lack, share: f64| {
         lack.log_p = (lack.log_p - share.ln()).min(0.0);
         lack
     };
     let mark = paid(mark, SMALL_SHARE);
-    let half = 0.5 - SMALL_SHARE;
+    let half = 0.5 - 1.5 * SMALL_SHARE;
     let mut best = mark.clone();
     for other in [
         paid(smooth, half),
         paid(burst, half),
         paid(pattern, SMALL_SHARE),
+        paid(shift, SMALL_SHARE),
     ] {
         if other.log_p < best.log_p {
             best = other;

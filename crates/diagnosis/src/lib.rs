@@ -58,6 +58,7 @@ mod scatter;
 mod scrambled;
 mod selection;
 mod settled;
+mod shifts;
 mod spikes;
 mod stand;
 mod starts;

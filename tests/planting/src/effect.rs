@@ -263,6 +263,14 @@ pub enum Effect {
         level_minus_1: f64,
         runs: [usize; 2],
     },
+    /// An amplifier drops out for a moment in some runs: the force reads too small by a share.
+    Dropout {
+        share: f64,
+        from_s: f64,
+        to_s: f64,
+        first_run: usize,
+        every: usize,
+    },
 }
 
 impl Effect {
@@ -303,6 +311,7 @@ impl Effect {
             Self::SecondPopulation { .. } => "alien-second-population",
             Self::Debris { .. } => "alien-debris",
             Self::OtherSpecimen { .. } => "alien-other-specimen",
+            Self::Dropout { .. } => "alien-dropout",
         }
     }
 

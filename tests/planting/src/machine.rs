@@ -384,10 +384,33 @@ fn stops(contact: &Contact<'_>, outputs: &[f64]) -> Vec<f64> {
 
 /// Force channel at this instant, before noise.
 fn reading(contact: &Contact<'_>, time_s: f64, state: &[f64]) -> f64 {
-    match contact.layout.sensor {
+    let force_n = match contact.layout.sensor {
         Some((place, _)) => state[place + 1],
         None => contact.sensed(time_s, state, &contact.instant(time_s, state)),
+    };
+    force_n * amplified(contact, time_s)
+}
+
+/// Share of the force that an amplifier that drops out still shows.
+fn amplified(contact: &Contact<'_>, time_s: f64) -> f64 {
+    let mut amplified = 1.0;
+    for effect in &contact.rig.effects {
+        if let Effect::Dropout {
+            share,
+            from_s,
+            to_s,
+            first_run,
+            every,
+        } = *effect
+        {
+            let later = contact.index.checked_sub(first_run);
+            let concerned = later.is_some_and(|runs| runs.is_multiple_of(every));
+            if concerned && time_s >= from_s && time_s < to_s {
+                amplified *= 1.0 - share;
+            }
+        }
     }
+    amplified
 }
 
 /// What the electronics do to the reading: gain, noise, clipping, rounding.

@@ -38,7 +38,7 @@ pub const CAUSES: [&str; 27] = [
 ];
 
 /// Effects outside the catalogue.
-pub const ALIENS: [&str; 7] = [
+pub const ALIENS: [&str; 8] = [
     "alien-scratch",
     "alien-plate-step",
     "alien-stick-slip-burst",
@@ -46,6 +46,7 @@ pub const ALIENS: [&str; 7] = [
     "alien-second-population",
     "alien-debris",
     "alien-other-specimen",
+    "alien-dropout",
 ];
 
 /// Causes that can be planted in a second shape.
@@ -304,6 +305,16 @@ pub fn draw(
                 stiffness_minus_1: 0.04 * size,
                 level_minus_1: -0.05 * size,
                 runs: [first, first + 5],
+            }
+        }
+        "alien-dropout" => {
+            let from_s = duration_s * between(0.5, 1.0);
+            Effect::Dropout {
+                share: 0.1 * size,
+                from_s,
+                to_s: from_s + duration_s / 15.0,
+                first_run: (4.0 * share) as usize,
+                every: 4,
             }
         }
         _ => return None,

@@ -251,6 +251,7 @@ fn overlaps(effect: &Effect, place: &Value) -> Option<bool> {
         }
         Effect::PlateStep { at_m, .. } => ("position", at_m, at_m, 0.02),
         Effect::StickSlipBurst { from_s, to_s, .. } => ("time", from_s, to_s, 0.5),
+        Effect::Dropout { from_s, to_s, .. } => ("time", from_s, to_s, 0.1),
         _ => return None,
     };
     if place["axis"] != axis {
