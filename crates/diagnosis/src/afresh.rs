@@ -79,7 +79,7 @@ pub(crate) fn afresh(
         bench,
         subset,
         stand,
-        whitener: healthy_noise(bench, subset),
+        whitener: bench.healthy_noise(&subset.context(bench, &bench.crude_scale())),
     };
     let candidates: Vec<(usize, Vec<Vec<f64>>)> = found
         .candidates
@@ -170,17 +170,6 @@ fn likeliest(bench: &Bench<'_>, subset: &Subset, stands: &[(usize, Stand)]) -> V
             + search_price(bench, *cause)
     });
     each.collect()
-}
-
-/// Whitening by the noise of a healthy rig: no residual has been looked at. The record itself stands for its friction, so a gain
-/// free for each run would forgive a law without any friction; roughness along the run does not.
-fn healthy_noise(bench: &Bench<'_>, subset: &Subset) -> Whitener {
-    let context = subset.context(bench, &bench.crude_scale());
-    let sizes = Sizes {
-        scatter: 0.0,
-        ..bench.first_sizes()
-    };
-    Whitener::new(&context, &sizes)
 }
 
 /// Of each cause the best of its forms: forms of one cause do not keep another one from being looked at.

@@ -12,8 +12,8 @@ use crate::subset::Subset;
 /// Starts of the law that are fitted, and steps of each: the nearest of all that are looked at, then the better of those that ended
 /// apart from one another.
 const LAW_ROUNDS: [(usize, u64); 3] = [(12, 4), (6, 8), (3, 60)];
-/// Starts that are fitted by least squares first, all samples alike, and steps of each.
-const PLAIN_FITS: (usize, u64) = (4, 8);
+/// Starts that are fitted beside them under a noise without scatter between runs, and steps of each.
+const FITS_WITHOUT_SCATTER: (usize, u64) = (4, 8);
 /// Starts spread about the typical sizes, beside those that the record suggests.
 const STARTS_SPREAD: usize = 32;
 
@@ -87,9 +87,10 @@ impl Bench<'_> {
             .iter()
             .map(|start| model.at_null(start, &self.experiment))
             .collect();
-        let plainly = self.plain_fits(subset, &context, &model, wholes.clone());
-        let ranked = ranked(self, subset, &whitener, &model, wholes, Paths::NONE);
+        let healthy = self.healthy_noise(&context);
+        let ranked = ranked(self, subset, &healthy, &model, wholes, Paths::NONE);
         let mut from: Vec<Vec<f64>> = ranked.into_iter().map(|(_, whole)| whole).collect();
+        let without_scatter = self.without_scatter(subset, &healthy, &from);
         let mut best: Option<Fitted> = None;
         for (round, (most, steps)) in LAW_ROUNDS.into_iter().enumerate() {
             if round + 1 == LAW_ROUNDS.len() && best.as_ref().is_some_and(|b| b.cost > hopeless) {
@@ -97,7 +98,7 @@ impl Bench<'_> {
             }
             from.truncate(most);
             if round == 1 {
-                from.extend_from_slice(&plainly);
+                from.extend_from_slice(&without_scatter);
             }
             let fits: Vec<Option<Fitted>> = from
                 .par_iter()
@@ -112,32 +113,33 @@ impl Bench<'_> {
         best
     }
 
-    /// Rough fits of the law by least squares, all samples alike. Where the noise multiplies friction, none at all is a fit of its own
-    /// (each run is off by a gain of all that it has), and starts whose curve is far from the record's are drawn to it; here it is the
-    /// worst of all fits.
-    fn plain_fits(
-        &self,
-        subset: &Subset,
-        context: &Context,
-        model: &Model,
-        starts: Vec<Vec<f64>>,
-    ) -> Vec<Vec<f64>> {
-        let (most, steps) = PLAIN_FITS;
-        let alike = Sizes {
-            private: 0.0,
+    /// Whitening by the noise of a healthy rig: no residual has been looked at. The record itself stands for its friction, so a gain free for each
+    /// run would forgive a law without any friction; roughness along the run does not.
+    pub(crate) fn healthy_noise(&self, context: &Context) -> Whitener {
+        let sizes = Sizes {
             scatter: 0.0,
             ..self.first_sizes()
         };
-        let whitener = Whitener::new(context, &alike);
-        let mut ranked = ranked(self, subset, &whitener, model, starts, Paths::NONE);
-        ranked.truncate(most);
-        let fits: Vec<Option<Fitted>> = ranked
+        Whitener::new(context, &sizes)
+    }
+
+    /// Rough fits of the law from the first of these starts under a noise without scatter between runs: beside scatter no friction at all is a
+    /// fit of its own (each run is off by a gain of all that it has), and starts whose curve is far from the record's are drawn to it.
+    fn without_scatter(
+        &self,
+        subset: &Subset,
+        healthy: &Whitener,
+        starts: &[Vec<f64>],
+    ) -> Vec<Vec<f64>> {
+        let (most, steps) = FITS_WITHOUT_SCATTER;
+        let fits: Vec<Option<Fitted>> = starts
             .par_iter()
-            .map(|(_, start)| self.fit(subset, &[], start, &whitener, None, steps))
+            .take(most)
+            .map(|start| self.fit(subset, &[], start, healthy, None, steps))
             .collect();
         let mut fits: Vec<Fitted> = fits.into_iter().flatten().collect();
         fits.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        let fits = self.apart(subset, &whitener, fits);
+        let fits = self.apart(subset, healthy, fits);
         fits.into_iter().map(|fit| fit.parameters).collect()
     }
 
