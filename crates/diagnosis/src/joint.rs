@@ -14,8 +14,14 @@ use crate::subset::Subset;
 /// Samples, repeats counted once, up to which a mass on a cord is fitted from several starts.
 pub(crate) const MOST_SAMPLES_AFRESH: usize = 15_000;
 
+/// Steps of a joint fit, and where such a mass is too dear.
+const STEPS: u64 = 20;
+const FEW_STEPS: u64 = 8;
 /// Lines of a periodic cause from which fits begin, those that score best.
 const MOST_LINES_FITTED: usize = 24;
+/// Steps of their first fits, and lines that are fitted on, the best of these.
+const FIRST_STEPS: u64 = 4;
+const LINES_FITTED_ON: usize = 5;
 
 /// Joint fits of the stand's model with each candidate, from the candidate's starts and from what is `known` of it; best first
 /// under the stand's noise.
@@ -34,40 +40,16 @@ pub(crate) fn joint_fits(
             let whitener = stand
                 .whitener
                 .with_scatter(&context, candidate.score.scatter);
-            let mut best: Option<(Fitted, f64)> = None;
-            let mut effects = stand.fitted.effects.clone();
-            effects.push(candidate.cause);
-            let dear = is_dear(bench, candidate.cause);
-            let mut limit = 20;
-            let mut from = if dear {
-                nearest_about(bench, subset, stand, candidate, &whitener)
-            } else {
-                let same = known.iter().filter(|(cause, _)| *cause == candidate.cause);
-                // Where one start is not enough, a searched period is begun from many of its lines.
-                let searched = starts > 1 && bench.catalogue[candidate.cause].is_periodic();
-                let most = if searched { MOST_LINES_FITTED } else { starts };
-                let own = candidate.starts.iter().take(most);
-                let own = own.chain(same.map(|(_, parameters)| parameters));
-                own.filter_map(|own| extended(bench, &stand.fitted, candidate.cause, own))
-                    .map(|(_, start)| start)
-                    .collect()
+            let joint = Joint {
+                bench,
+                subset,
+                stand,
+                candidate,
+                whitener,
             };
-            if dear && bench.mechanics() > MOST_SAMPLES_AFRESH {
-                from.truncate(1);
-                limit = 8;
-            } else if dear {
-                from.extend(starts_afresh(bench, subset, stand, candidate, &whitener));
-            }
-            for start in from {
-                let Some(fit) = bench.fit(subset, &effects, &start, &whitener, None, limit) else {
-                    continue;
-                };
-                let deviance = stand.deviance_of(bench, subset, &fit);
-                if best.as_ref().is_none_or(|b| deviance < b.1) {
-                    best = Some((fit, deviance));
-                }
-            }
-            best.map(|(fit, deviance)| (candidate.cause, fit, deviance))
+            let (from, limit) = joint.starts(starts, known);
+            let (fit, deviance) = joint.best(from, limit)?;
+            Some((candidate.cause, fit, deviance))
         })
         .collect();
     let mut fits: Vec<(usize, Fitted, f64)> = fits.into_iter().flatten().collect();
@@ -79,83 +61,105 @@ pub(crate) fn joint_fits(
     fits
 }
 
-/// The starts about a candidate's own that bring the stand's law nearest to the record.
-fn nearest_about(
-    bench: &Bench<'_>,
-    subset: &Subset,
-    stand: &Stand,
-    candidate: &Candidate,
-    whitener: &Whitener,
-) -> Vec<Vec<f64>> {
-    const TAKEN: usize = 2;
-    let Some(own) = candidate.starts.first() else {
-        return Vec::new();
-    };
-    let effect = &bench.catalogue[candidate.cause];
-    let starts: Vec<Vec<f64>> = effect
-        .about(&bench.experiment, own)
-        .iter()
-        .filter_map(|own| extended(bench, &stand.fitted, candidate.cause, own))
-        .map(|(_, start)| start)
-        .collect();
-    nearest(
-        bench,
-        subset,
-        whitener,
-        &stand.fitted,
-        candidate.cause,
-        starts,
-        TAKEN,
-    )
+/// A stand's model and one more cause.
+struct Joint<'a, 'b> {
+    bench: &'a Bench<'b>,
+    subset: &'a Subset,
+    stand: &'a Stand,
+    candidate: &'a Candidate,
+    whitener: Whitener,
 }
 
-/// Of these starts of a model with one more cause, those nearest to the record.
-fn nearest(
-    bench: &Bench<'_>,
-    subset: &Subset,
-    whitener: &Whitener,
-    fitted: &Fitted,
-    cause: usize,
-    starts: Vec<Vec<f64>>,
-    taken: usize,
-) -> Vec<Vec<f64>> {
-    let mut effects = fitted.effects.clone();
-    effects.push(cause);
-    let Some(model) = bench.model(&effects) else {
-        return Vec::new();
-    };
-    let paths = fitted.paths(bench);
-    let ranked = ranked(bench, subset, whitener, &model, starts, paths);
-    ranked.into_iter().take(taken).map(|r| r.1).collect()
-}
+impl Joint<'_, '_> {
+    /// Starts of the fit, and its steps.
+    fn starts(&self, starts: usize, known: &[(usize, Vec<f64>)]) -> (Vec<Vec<f64>>, u64) {
+        let (bench, candidate) = (self.bench, self.candidate);
+        if is_dear(bench, candidate.cause) {
+            let mut from = self.nearest_about();
+            if bench.mechanics() > MOST_SAMPLES_AFRESH {
+                from.truncate(1);
+                return (from, FEW_STEPS);
+            }
+            from.extend(self.starts_afresh());
+            return (from, STEPS);
+        }
+        let same = known.iter().filter(|(cause, _)| *cause == candidate.cause);
+        // Where one start is not enough, a searched period is begun from many of its lines.
+        let searched = starts > 1 && bench.catalogue[candidate.cause].is_periodic();
+        let most = if searched { MOST_LINES_FITTED } else { starts };
+        let own = candidate.starts.iter().take(most);
+        let own = own.chain(same.map(|(_, parameters)| parameters));
+        let from = own
+            .filter_map(|own| extended(bench, &self.stand.fitted, candidate.cause, own))
+            .map(|(_, start)| start);
+        (from.collect(), STEPS)
+    }
 
-/// Starts of a joint fit with the law afresh. The law's own fit takes a cord's stretch for its stiffness and damping and may
-/// end in another valley than the two together: of all of the law's starts those nearest to the data with the cause at
-/// its estimated size.
-fn starts_afresh(
-    bench: &Bench<'_>,
-    subset: &Subset,
-    stand: &Stand,
-    candidate: &Candidate,
-    whitener: &Whitener,
-) -> Vec<Vec<f64>> {
-    const TAKEN: usize = 3;
-    let Some(own) = candidate.starts.first() else {
-        return Vec::new();
-    };
-    let Some((model, at)) = extended(bench, &stand.fitted, candidate.cause, own) else {
-        return Vec::new();
-    };
-    let starts = with_laws(&at, bench.law_starts(&model));
-    nearest(
-        bench,
-        subset,
-        whitener,
-        &stand.fitted,
-        candidate.cause,
-        starts,
-        TAKEN,
-    )
+    /// The best fit and its deviance under the stand's noise. Of many starts all are fitted for a few steps, and the best of these on.
+    fn best(&self, mut from: Vec<Vec<f64>>, limit: u64) -> Option<(Fitted, f64)> {
+        if from.len() > LINES_FITTED_ON {
+            let first = self.fits(&from, FIRST_STEPS).into_iter();
+            let on = first.take(LINES_FITTED_ON);
+            from = on.map(|(fit, _)| fit.parameters).collect();
+        }
+        self.fits(&from, limit).into_iter().next()
+    }
+
+    /// Fits from these starts, best first.
+    fn fits(&self, from: &[Vec<f64>], limit: u64) -> Vec<(Fitted, f64)> {
+        let (bench, subset) = (self.bench, self.subset);
+        let mut effects = self.stand.fitted.effects.clone();
+        effects.push(self.candidate.cause);
+        let fit = |start: &Vec<f64>| {
+            let fit = bench.fit(subset, &effects, start, &self.whitener, None, limit)?;
+            let deviance = self.stand.deviance_of(bench, subset, &fit);
+            Some((fit, deviance))
+        };
+        let mut fits: Vec<(Fitted, f64)> = from.iter().filter_map(fit).collect();
+        fits.sort_by(|a, b| a.1.total_cmp(&b.1));
+        fits
+    }
+
+    /// The starts about the candidate's own that bring the stand's law nearest to the record.
+    fn nearest_about(&self) -> Vec<Vec<f64>> {
+        const TAKEN: usize = 2;
+        let (bench, cause) = (self.bench, self.candidate.cause);
+        let Some(own) = self.candidate.starts.first() else {
+            return Vec::new();
+        };
+        let about = bench.catalogue[cause].about(&bench.experiment, own);
+        let starts = about
+            .iter()
+            .filter_map(|own| extended(bench, &self.stand.fitted, cause, own))
+            .map(|(_, start)| start);
+        self.nearest(starts.collect(), TAKEN)
+    }
+
+    /// Starts with the law afresh. The law's own fit takes a cord's stretch for its stiffness and damping and may end in another valley than
+    /// the two together: of all of the law's starts those nearest to the data with the cause at its estimated size.
+    fn starts_afresh(&self) -> Vec<Vec<f64>> {
+        const TAKEN: usize = 3;
+        let (bench, fitted) = (self.bench, &self.stand.fitted);
+        let own = self.candidate.starts.first();
+        let extended = own.and_then(|own| extended(bench, fitted, self.candidate.cause, own));
+        let Some((model, at)) = extended else {
+            return Vec::new();
+        };
+        self.nearest(with_laws(&at, bench.law_starts(&model)), TAKEN)
+    }
+
+    /// Of these starts those nearest to the record.
+    fn nearest(&self, starts: Vec<Vec<f64>>, taken: usize) -> Vec<Vec<f64>> {
+        let (bench, fitted) = (self.bench, &self.stand.fitted);
+        let mut effects = fitted.effects.clone();
+        effects.push(self.candidate.cause);
+        let Some(model) = bench.model(&effects) else {
+            return Vec::new();
+        };
+        let paths = fitted.paths(bench);
+        let ranked = ranked(bench, self.subset, &self.whitener, &model, starts, paths);
+        ranked.into_iter().take(taken).map(|r| r.1).collect()
+    }
 }
 
 /// Deviance with parameters and, for a searched period, the search paid for.

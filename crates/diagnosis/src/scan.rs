@@ -411,11 +411,12 @@ fn tasks(bench: &Bench<'_>, fitted: &Fitted, peaks: &Peaks, skipped: &[usize]) -
     }
 }
 
-/// Whether a cause is the law's own parameters under another name: only a model from elsewhere shows it. A lean always is, a gain wherever
-/// nothing but friction is in the record (a stated mass whose inertia it scales too tells it from the law).
+/// Whether a cause is the law's own parameters under another name: only a model from elsewhere shows it. A lean is where the law has one of its
+/// own (upright bristles have none), a gain wherever nothing but friction is in the record (a stated mass whose inertia it scales too tells
+/// it from the law).
 pub(crate) fn is_shift(bench: &Bench<'_>, cause: usize) -> bool {
     match bench.catalogue[cause].id() {
-        "lean-angle" => true,
+        "lean-angle" => bench.law.parameters().iter().any(|p| p.name == "theta0"),
         "force-gain" => bench.experiment.moving_mass_kg == 0.0,
         _ => false,
     }
