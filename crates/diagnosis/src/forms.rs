@@ -7,7 +7,7 @@
 use crate::bench::{Bench, Fitted};
 use crate::equivalence::AS_GOOD;
 use crate::joint::{forms_of, is_dear, is_second_form, search_price};
-use crate::look_back::{EXCHANGE, PROMISED};
+use crate::look_back::EXCHANGE;
 use crate::scan::Scan;
 use crate::settled::{likely_scatter, settle};
 use crate::stand::Stand;
@@ -52,7 +52,7 @@ pub(crate) fn plainest(bench: &Bench<'_>, subset: &Subset, mut stand: Stand) -> 
 /// the right of the first.
 pub(crate) fn refine_last(
     bench: &Bench<'_>,
-    subset: &mut Subset,
+    subset: &Subset,
     stand: Stand,
     worth: f64,
 ) -> Option<Stand> {
@@ -62,53 +62,26 @@ pub(crate) fn refine_last(
     if bench.catalogue[own].refines() {
         return Some(stand);
     }
-    let (of_its_own, of_others): (Vec<usize>, Vec<usize>) =
-        refined_forms(bench, own).partition(|&form| is_same(bench, form, own));
-    let refined = [
-        refined(bench, subset, &stand, &of_its_own, (worth, 0.0)),
-        refined(bench, subset, &stand, &of_others, (EXCHANGE, PROMISED)),
-    ];
-    let costs = |s: &Stand| s.deviance + search_price(bench, s.fitted.effects[k]);
-    let best = (refined.into_iter().flatten()).min_by(|a, b| costs(&a.1).total_cmp(&costs(&b.1)));
-    let Some((as_late, best)) = best else {
+    let best = refined_forms(bench, own)
+        .filter_map(|form| {
+            let starts = refined_starts(bench, fitted, k, form);
+            let (deviance, fit) = in_place(bench, subset, &stand, (k, form), &starts)?;
+            let dearer = search_price(bench, form) - search_price(bench, own);
+            let is_own = bench.catalogue[form].id() == bench.catalogue[own].id();
+            let worth = if is_own { worth } else { EXCHANGE };
+            Some((deviance + dearer + worth, fit, dearer + worth))
+        })
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((_, fit, worth)) = best.filter(|best| best.0 < stand.deviance) else {
         return Some(stand);
     };
-    *subset = as_late;
-    Some(best)
-}
-
-fn is_same(bench: &Bench<'_>, form: usize, own: usize) -> bool {
-    bench.catalogue[form].id() == bench.catalogue[own].id()
-}
-
-/// The set with its last cause in that of these forms that saves most, where it saves `worth` and its further parameters. Under the noise of the set
-/// as it stands it may cost `leeway` more: roughness has passed a filter there and comes late, and where the form is none it has not. With it the
-/// subset, as late as that.
-fn refined(
-    bench: &Bench<'_>,
-    subset: &Subset,
-    stand: &Stand,
-    forms: &[usize],
-    (worth, leeway): (f64, f64),
-) -> Option<(Subset, Stand)> {
-    let fitted = &stand.fitted;
-    let k = fitted.effects.len() - 1;
-    let best = forms.iter().filter_map(|&form| {
-        let starts = refined_starts(bench, fitted, k, form);
-        let (deviance, fit) = in_place(bench, subset, stand, (k, form), &starts)?;
-        let dearer = search_price(bench, form) - search_price(bench, fitted.effects[k]);
-        Some((deviance + dearer + worth, fit, dearer + worth))
-    });
-    let best = best.min_by(|a, b| a.0.total_cmp(&b.0));
-    let (_, fit, worth) = best.filter(|best| best.0 < stand.deviance + leeway)?;
     let found = Scan::empty(bench, Some(stand.sizes));
-    let as_late = if fit.model.lateness_s(&fit.parameters) == 0.0 {
-        subset.late_by(subset.lateness().none())
+    let next = settle(bench, subset, &fit, &found)?;
+    Some(if next.deviance + worth < stand.deviance {
+        next
     } else {
-        subset.clone()
-    };
-    let next = settle(bench, &as_late, &fit, &found)?;
-    (next.deviance + worth < stand.deviance).then_some((as_late, next))
+        stand
+    })
 }
 
 /// The set with causes in the forms in which they are named elsewhere, wherever these runs do not tell otherwise: what only a few runs
@@ -121,7 +94,9 @@ pub(crate) fn as_named(
 ) -> Stand {
     for k in 0..stand.fitted.effects.len() {
         let own = stand.fitted.effects[k];
-        let other = |&&(form, _): &&(usize, Vec<f64>)| form != own && is_same(bench, form, own);
+        let other = |&&(form, _): &&(usize, Vec<f64>)| {
+            form != own && bench.catalogue[form].id() == bench.catalogue[own].id()
+        };
         let Some((form, parameters)) = named.iter().find(other) else {
             continue;
         };

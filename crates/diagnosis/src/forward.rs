@@ -199,7 +199,7 @@ impl<'a, 'b> Forward<'a, 'b> {
             next = self.look_back(round, next, threshold)?;
         }
         let worth = -2.0 * strict(&self.first);
-        self.chosen = Some(refine_last(bench, &mut self.subset, next, worth)?);
+        self.chosen = Some(refine_last(bench, &self.subset, next, worth)?);
         Some(())
     }
 

@@ -43,11 +43,6 @@ impl Lateness {
         self.delay(self.delay_s + self.lag_s)
     }
 
-    /// No lateness at all.
-    pub(crate) fn none(self) -> Self {
-        self.delay(0.0)
-    }
-
     fn delay(self, delay_s: f64) -> Self {
         Self {
             delay_s,

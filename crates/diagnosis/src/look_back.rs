@@ -20,7 +20,7 @@ const MOST_PERIODS: usize = 3;
 pub(crate) const EXCHANGE: f64 = 1.0;
 /// Deviance by which a model may come out worse than promised once its own noise is estimated. Beyond that the promise was made
 /// under another's noise and does not hold: the friction that scales roughness is not the same.
-pub(crate) const PROMISED: f64 = 20.0;
+const PROMISED: f64 = 20.0;
 
 /// The near miss, one other cause alone against the pair; each cause against another in its place; each against doing without.
 pub(crate) fn look_back(
