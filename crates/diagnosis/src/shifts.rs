@@ -3,10 +3,10 @@
 //! A factor on the friction force over samples a..b of run k adds the column c = f 1(a..b), and its score at a scatter s is
 //!
 //! ```text
-//! z = c'u / |c|,   u = W'(I - QQ') V(s)^-1 y,   |c|^2 = c~'V(s)^-1 c~
+//! z = c'u / |c|,   u = W'(I - QQ') V(s)^-1 y,   |c|^2 = c~'V(s)^-1 c~                                      (D13)
 //! ```
 //!
-//! (D1). Numerators of all stretches are differences of one sum; lengths |c| are not. So each run's stretches are ranked by their numerators beside
+//! with W, Q, V, y and c~ as in (D1). Numerators of all stretches are differences of one sum; lengths |c| are not. So each run's stretches are ranked by their numerators beside
 //! others of as many samples in the same run, and the first few are scored in full. What noise does that is not as it is reckoned, it does in every run: the
 //! largest of a run is held against the others' largest.
 

@@ -1,5 +1,5 @@
 //! The specimen's own lean: theta0 + angle (rad). Where theta0 is free it is absorbed by it; it means something against a
-//! model that was identified elsewhere.
+//! model that was identified elsewhere, and beside upright bristles, which have no theta0.
 
 use friction::{ParameterSpec, Scalar, LawKind, Law};
 use rig::{Cause, Place, Reach, Station};
