@@ -15,6 +15,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::bench::{Bench, Fitted};
+use crate::forms::{in_place, refined_forms};
 use crate::ground::{Ground, orthonormal};
 use crate::joint::{is_dear, is_second_form, search_price};
 use crate::look_back::bare;
@@ -210,6 +211,7 @@ pub(crate) fn contest(
         })
         .collect();
     let mut opponents = checked;
+    opponents.extend(mistaken(bench, subset, stand, &beside, k));
     opponents.sort_by(|a, b| {
         a.separation
             .total_cmp(&b.separation)
@@ -226,6 +228,44 @@ pub(crate) fn contest(
         length,
         opponents,
     })
+}
+
+/// The refined forms of other causes that the k-th may be mistaken for, fitted in its place; each as far from it as the two fits are apart.
+fn mistaken(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    beside: &Stand,
+    k: usize,
+) -> Vec<Opponent> {
+    let full = &stand.fitted;
+    let own = full.effects[k];
+    let scatter = stand.ground.likeliest_scatter();
+    let others = refined_forms(bench, own)
+        .filter(|&form| bench.catalogue[form].id() != bench.catalogue[own].id());
+    let fitted = others.filter_map(|form| {
+        let starts = bench.catalogue[form].starts(&bench.experiment);
+        let (deviance, fit) = in_place(bench, subset, stand, (k, form), &starts)?;
+        let apart = full.prediction.iter().zip(&fit.prediction);
+        let apart = apart.map(|(a, b)| a - b);
+        let apart = DMatrix::from_iterator(full.prediction.len(), 1, apart);
+        let white = beside.whiten(subset, &apart).column(0).into_owned();
+        let ground = &beside.ground;
+        let separation = ground.distance(&ground.project_vector(&white), scatter);
+        let of_the_positions =
+            deviance_of_positions(bench, &fit) - deviance_of_positions(bench, full);
+        Some(Opponent {
+            cause: form,
+            second_form: true,
+            separation,
+            excess_deviance: deviance - stand.deviance + of_the_positions,
+            of_the_positions,
+            seen_in_roughness: 0.0,
+            charge: search_price(bench, form) - search_price(bench, own),
+            fitted: Some(fit),
+        })
+    });
+    fitted.collect()
 }
 
 /// Fits the rival to the data in the cause's place.

@@ -114,7 +114,10 @@ pub(crate) fn as_named(
 }
 
 /// The refined forms that are asked in the place of a cause.
-fn refined_forms<'a>(bench: &'a Bench<'_>, own: usize) -> impl Iterator<Item = usize> + 'a {
+pub(crate) fn refined_forms<'a>(
+    bench: &'a Bench<'_>,
+    own: usize,
+) -> impl Iterator<Item = usize> + 'a {
     let (id, others) = {
         let own = &bench.catalogue[own];
         (own.id(), own.mistaken_for())
@@ -162,7 +165,7 @@ fn refined_starts(bench: &Bench<'_>, fitted: &Fitted, k: usize, form: usize) -> 
 }
 
 /// The set with another form in the place of its k-th cause, from the form's starts, and its deviance under the stand's noise.
-fn in_place(
+pub(crate) fn in_place(
     bench: &Bench<'_>,
     subset: &Subset,
     stand: &Stand,
