@@ -31,7 +31,7 @@ const FEWEST_RUNS: usize = 5;
 /// Stretches of a run that are scored in full.
 const TAKEN: usize = 6;
 /// How many times the median of the runs' largest one must be to be no part of them.
-const ALONE: f64 = 3.0;
+const ALONE: f64 = 2.0;
 /// Of the strongest: the share from which stretches of other runs at the same time belong to it.
 const ALIKE: f64 = 0.4;
 
