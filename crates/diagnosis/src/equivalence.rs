@@ -230,7 +230,8 @@ pub(crate) fn contest(
     })
 }
 
-/// The refined forms of other causes that the k-th may be mistaken for, fitted in its place; each as far from it as the two fits are apart.
+/// The refined forms of other causes that the k-th may be mistaken for and that have no more parameters (with one more they may hold the cause as a
+/// limit), fitted in its place; each as far from it as the two fits are apart.
 fn mistaken(
     bench: &Bench<'_>,
     subset: &Subset,
@@ -241,8 +242,10 @@ fn mistaken(
     let full = &stand.fitted;
     let own = full.effects[k];
     let scatter = stand.ground.likeliest_scatter();
-    let others = refined_forms(bench, own)
-        .filter(|&form| bench.catalogue[form].id() != bench.catalogue[own].id());
+    let others = refined_forms(bench, own).filter(|&form| {
+        let (form, own) = (&bench.catalogue[form], &bench.catalogue[own]);
+        form.id() != own.id() && form.parameters().len() <= own.parameters().len()
+    });
     let fitted = others.filter_map(|form| {
         let starts = bench.catalogue[form].starts(&bench.experiment);
         let (deviance, fit) = in_place(bench, subset, stand, (k, form), &starts)?;
