@@ -289,10 +289,7 @@ pub(crate) fn test(
             .map(|j| {
                 ground
                     .direction(&white.columns(j, 1).into_owned())
-                    .map_or(0.0, |d| {
-                        let s = ground.score(&d);
-                        s.z() * s.coefficients.first().copied().unwrap_or(0.0).signum()
-                    })
+                    .map_or(0.0, |d| ground.score(&d).signed_z())
             })
             .collect();
         let largest = single.iter().fold(0.0_f64, |m, z| m.max(z.abs()));

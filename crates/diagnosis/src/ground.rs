@@ -75,6 +75,12 @@ impl Score {
         equivalent_z(self.log_p)
     }
 
+    /// The same with the sign of the first column's coefficient.
+    pub(crate) fn signed_z(&self) -> f64 {
+        let sign = self.coefficients.first().map_or(0.0, |c| c.signum());
+        sign * self.z()
+    }
+
     /// The same where the noise has so many times the variance that was reckoned.
     pub(crate) fn over(mut self, background: f64) -> Self {
         self.statistic /= background;

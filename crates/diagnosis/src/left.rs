@@ -40,7 +40,7 @@ pub(crate) fn lack(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Lack {
     let mark = marks::strongest(bench, subset, stand, ground);
     let mark = mark.map_or_else(Lack::nothing, Mark::lack);
     let pattern = patterns(ground, stand.white_gains(), &samples, &names);
-    let shift = shifts(bench, subset, stand, ground, &samples);
+    let shift = shifts(stand, ground, &samples, &scale, &names);
     let paid = |mut lack: Lack, share: f64| {
         lack.log_p = (lack.log_p - share.ln()).min(0.0);
         lack

@@ -98,10 +98,9 @@ struct Scored {
 fn scored(ground: &Ground, sums: &Sums, shapes: Vec<Shape>) -> Vec<Scored> {
     let score = |shape| {
         let score = ground.score(&sums.direction(ground, shape)?);
-        let sign = score.coefficients.first().map_or(0.0, |c| c.signum());
         Some(Scored {
             shape,
-            z: sign * score.z(),
+            z: score.signed_z(),
         })
     };
     shapes.into_iter().filter_map(score).collect()

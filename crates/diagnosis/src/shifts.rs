@@ -15,13 +15,11 @@ use std::ops::Range;
 use nalgebra::DMatrix;
 
 use crate::answer::Place;
-use crate::bench::Bench;
 use crate::bursts::in_run;
 use crate::general::{Lack, MOST_RUNS};
 use crate::ground::Ground;
 use crate::samples::Samples;
 use crate::stand::Stand;
-use crate::subset::Subset;
 use crate::tail::log_chi2_tail;
 
 /// Samples of the shortest stretch; each further length is half as long again, up to half of a run.
@@ -35,36 +33,34 @@ const ALONE: f64 = 2.0;
 /// Of the strongest: the share from which stretches of other runs at the same time belong to it.
 const ALIKE: f64 = 0.4;
 
-/// The strongest stretch of a run beside a stand.
+/// The strongest stretch of a run beside a stand; `friction`: the force that it multiplies.
 pub(crate) fn shifts(
-    bench: &Bench<'_>,
-    subset: &Subset,
     stand: &Stand,
     ground: &Ground,
     samples: &Samples,
+    friction: &[f64],
+    names: &[String],
 ) -> Lack {
     if !(FEWEST_RUNS..=MOST_RUNS).contains(&samples.runs.len()) || !samples.averaged.is_empty() {
         return Lack::nothing();
     }
-    let friction = subset.gather(stand.fitted.friction(bench));
     let within = ground.residual_within(ground.likeliest_scatter());
     let own = within.rows(0, samples.len()).into_owned();
     let unwhitened = stand.whitener.whiten_transposed(&own);
-    let sums = running_sums(unwhitened.iter().zip(friction.iter()).map(|(u, f)| u * f));
+    let sums = running_sums(unwhitened.iter().zip(friction).map(|(u, f)| u * f));
     let mut asked = 0;
     let mut largest = Vec::new();
     for run in &samples.runs {
         let stretches = ranked(&sums, run);
         asked += stretches.asked;
-        let scored = scored(stand, ground, &stretches.first, friction.as_slice());
+        let scored = scored(stand, ground, &stretches.first, friction);
         largest.extend(scored);
     }
-    let names = bench.run_names(subset);
     standing_out(&largest, asked).map_or_else(Lack::nothing, |found| {
         let price = (asked.max(1) as f64).ln();
         Lack {
             log_p: (log_chi2_tail(found.z * found.z, 1) + price).min(0.0),
-            place: Some(place(&largest, &found, samples, &names)),
+            place: Some(place(&largest, &found, samples, names)),
             excess: (found.z * found.z - 2.0 * price).max(0.0),
         }
     })
@@ -142,10 +138,9 @@ fn scored(
     let white = stand.whiten_own(&columns);
     let scored = stretches.iter().enumerate().filter_map(|(j, stretch)| {
         let score = ground.score(&ground.direction(&white.columns(j, 1).into_owned())?);
-        let sign = score.coefficients.first().map_or(0.0, |c| c.signum());
         Some(Scored {
             stretch: stretch.clone(),
-            z: sign * score.z(),
+            z: score.signed_z(),
         })
     });
     scored.max_by(|a, b| a.z.abs().total_cmp(&b.z.abs()))

@@ -150,6 +150,12 @@ pub(crate) struct Instant {
 }
 
 impl Contact<'_> {
+    /// Whether the run is the first of those concerned or one of every so many after it.
+    pub(crate) fn is_one_of(&self, first_run: usize, every: usize) -> bool {
+        let later = self.index.checked_sub(first_run);
+        later.is_some_and(|runs| runs.is_multiple_of(every))
+    }
+
     /// Factor of the drive's ripple on the commanded speed; `stage_m` counts from the start of the run, the ripple from
     /// the drive's own zero.
     fn ripple(&self, stage_m: f64) -> f64 {
@@ -320,20 +326,14 @@ impl Contact<'_> {
                     frequency_hz,
                     first_run,
                     every,
-                } => {
-                    let concerned =
-                        self.index >= first_run && (self.index - first_run).is_multiple_of(every);
-                    if concerned && time_s >= from_s && time_s < to_s {
-                        let phase = ((time_s - from_s) * frequency_hz).fract();
-                        1.0 + amplitude
-                            * if phase < 0.85 {
-                                phase / 0.85 - 0.5
-                            } else {
-                                0.5 - (phase - 0.85) / 0.15
-                            }
-                    } else {
-                        1.0
-                    }
+                } if self.is_one_of(first_run, every) && time_s >= from_s && time_s < to_s => {
+                    let phase = ((time_s - from_s) * frequency_hz).fract();
+                    1.0 + amplitude
+                        * if phase < 0.85 {
+                            phase / 0.85 - 0.5
+                        } else {
+                            0.5 - (phase - 0.85) / 0.15
+                        }
                 }
                 Effect::Debris { amplitude, .. } => {
                     1.0 + amplitude * self.debris_field.at(slid_m).max(0.0)

@@ -402,12 +402,11 @@ fn amplified(contact: &Contact<'_>, time_s: f64) -> f64 {
             first_run,
             every,
         } = *effect
+            && contact.is_one_of(first_run, every)
+            && time_s >= from_s
+            && time_s < to_s
         {
-            let later = contact.index.checked_sub(first_run);
-            let concerned = later.is_some_and(|runs| runs.is_multiple_of(every));
-            if concerned && time_s >= from_s && time_s < to_s {
-                amplified *= 1.0 - share;
-            }
+            amplified *= 1.0 - share;
         }
     }
     amplified
