@@ -17,8 +17,10 @@ use crate::tail::log_chi2_tail;
 
 /// Samples of a stretch; neighbours overlap by half.
 const WINDOW: usize = 40;
-/// Beyond so many standard deviations a sample is a blow and says nothing more about unrest or rhythm.
+/// Beyond so many standard deviations a sample is a blow and says nothing more about unrest.
 const CLIP: f64 = 3.0;
+/// The same of a rhythm: the jumps of a sawtooth are blows, and of the waves in one blow none is strong.
+const CLIP_OF_RHYTHM: f64 = 5.0;
 
 /// The strongest burst in the whitened residual. Of a channel so coarse that its record is a staircase the residual is what lies `beyond` the
 /// rounding: nothing most of the time, and in stretches whatever roughness carries a level over its edge. Unrest and rhythm cannot be
@@ -27,11 +29,11 @@ pub(crate) fn bursts(ground: &Ground, samples: &Samples, names: &[String], beyon
     let y = ground.y.rows(0, samples.len()).into_owned();
     let mean_square = y.norm_squared() / y.len().max(1) as f64;
     let y = y.unscale(mean_square.sqrt().max(f64::MIN_POSITIVE));
-    let clipped = y.map(|v| v.clamp(-CLIP, CLIP));
+    let clipped = |at: f64| y.map(|v| v.clamp(-at, at));
     let mut searches = vec![blow(&y, samples, names)];
     if !beyond {
-        searches.push(unrest(&clipped, samples, names));
-        searches.push(rhythm(&clipped, samples, names));
+        searches.push(unrest(&clipped(CLIP), samples, names));
+        searches.push(rhythm(&clipped(CLIP_OF_RHYTHM), samples, names));
         let level = levelled(y.as_slice(), &samples.runs);
         searches.push(crowd(&level, samples, names));
         searches.push(spikes(&level, samples, names));

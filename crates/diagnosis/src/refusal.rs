@@ -167,7 +167,7 @@ pub(crate) fn take_one_back(
 
 /// The law alone again; what was seen stays seen.
 pub(crate) fn take_all_back(bench: &Bench<'_>, selected: &mut Selected) {
-    let seen = selected.entry_log_p.iter().copied().fold(0.0, f64::min);
+    let seen = selected.seen();
     let fitted = selected.baseline.fitted.clone();
     selected.stand = Stand::new(bench, &selected.subset, fitted, selected.stand.sizes);
     selected.entry_log_p.clear();
@@ -223,12 +223,14 @@ fn refuse_beside_foreign_runs(bench: &Bench<'_>, selected: &mut Selected, worth:
     back_to_the_law(bench, selected, left);
 }
 
-/// The law alone, beside which this is left.
+/// The law alone, beside which this is left; what was seen stays seen.
 fn back_to_the_law(bench: &Bench<'_>, selected: &mut Selected, left: Lack) {
+    let seen = selected.seen();
     let fitted = selected.baseline.fitted.clone();
     selected.stand = Stand::new(bench, &selected.subset, fitted, selected.stand.sizes);
     selected.entry_log_p.clear();
     selected.left = left;
+    selected.left.log_p = selected.left.log_p.min(seen);
 }
 
 /// Where something is left that nothing explains: only causes that explain most of it stay named.

@@ -80,6 +80,11 @@ pub(crate) struct Warm {
 }
 
 impl Selected {
+    /// Tail probability of the plainest of the named causes; 0 (its logarithm) without any.
+    pub(crate) fn seen(&self) -> f64 {
+        self.entry_log_p.iter().copied().fold(0.0, f64::min)
+    }
+
     /// Whether one of these causes is in the set and was seen as plainly as what a whole campaign names.
     pub(crate) fn is_plain(&self, causes: &[usize]) -> bool {
         let mut effects = self.stand.fitted.effects.iter().zip(&self.entry_log_p);

@@ -81,6 +81,7 @@ const SIZES: Sizes = Sizes {
     smoothing: 0.0,
     plate_ratio: 1.0,
     plate_smoothing: 0.0,
+    nodes: 0.0,
     scatter: 0.01,
 };
 
@@ -110,6 +111,7 @@ const APART: Sizes = Sizes {
 const SMOOTH_PLATE: Sizes = Sizes {
     smoothing: 0.15,
     plate_smoothing: 0.7,
+    nodes: 0.0,
     ..SIZES
 };
 

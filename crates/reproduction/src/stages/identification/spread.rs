@@ -18,6 +18,7 @@ pub(crate) struct Kept {
     plate_ratio: f64,
     plate_smoothing: f64,
     scatter: f64,
+    nodes: f64,
     scatters: Vec<(f64, f64)>,
 }
 
@@ -41,6 +42,7 @@ impl From<&Spread> for Kept {
             plate_ratio: sizes.plate_ratio,
             plate_smoothing: sizes.plate_smoothing,
             scatter: sizes.scatter,
+            nodes: sizes.nodes,
             scatters: spread.scatters.clone(),
         }
     }
@@ -64,6 +66,7 @@ impl From<Kept> for Spread {
                 plate_ratio: kept.plate_ratio,
                 plate_smoothing: kept.plate_smoothing,
                 scatter: kept.scatter,
+                nodes: kept.nodes,
             },
             scatters: kept.scatters,
         }
@@ -87,6 +90,7 @@ mod tests {
                 smoothing: 0.0,
                 plate_ratio: 1.0,
                 plate_smoothing: 0.0,
+                nodes: 6e-4,
                 scatter: 5e-3,
             },
             scatters: vec![(0.0, 0.25), (0.1, 0.75)],
