@@ -385,7 +385,7 @@ impl Frame {
             let begun = length(&start);
             let spacing = self.sizes(&start).node_spacing();
             let on = |spacing: f64| move |x: &[f64]| criterion.value(&self.sizes(x), spacing);
-            let mut inverse = None;
+            let mut inverse = criterion.inverse_curvature(|x| self.sizes(x), &start);
             if far {
                 let near = self.near(criterion, &start, COARSE * spacing);
                 *evaluations += near.evaluations;
@@ -394,7 +394,7 @@ impl Frame {
                 }
                 (start, inverse) = (near.point, Some(near.inverse));
             }
-            let found = search::minimise_from(&on(spacing), &start, inverse, &bounds, 25);
+            let found = search::minimise(&on(spacing), &start, inverse, &bounds, 25);
             *evaluations += found.evaluations;
             // The grid's spacing follows the length: search again only where it moved far, and once.
             let moved = (length(&found.point) - begun).abs();
@@ -415,7 +415,8 @@ impl Frame {
     ) -> search::Minimum {
         let bounds = &self.bounds[..start.len()];
         let on_grid = |x: &[f64]| criterion.value(&self.sizes(x), spacing);
-        search::minimise(&on_grid, start, bounds, 25)
+        let inverse = criterion.inverse_curvature(|x| self.sizes(x), start);
+        search::minimise(&on_grid, start, inverse, bounds, 25)
     }
 
     /// The former sizes, or the best of a coarse grid over length and share of the sensor noise.

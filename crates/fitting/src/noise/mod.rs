@@ -22,6 +22,7 @@ mod along;
 mod averaged;
 mod channel;
 mod context;
+mod curvature;
 mod estimate;
 mod further;
 mod lag;

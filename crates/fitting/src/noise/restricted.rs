@@ -13,6 +13,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::along::{Along, TOGETHER};
 use super::context::{Context, Sizes};
+use super::curvature::Spectra;
 use super::plate::{Grid, Information, Rows};
 use super::scatter::orthonormal_basis;
 use super::vectors::wide;
@@ -22,6 +23,7 @@ pub(super) struct Criterion<'a> {
     context: &'a Context,
     /// Basis of the mean's space, the residual as last column.
     columns: DMatrix<f64>,
+    spectra: Spectra,
 }
 
 impl<'a> Criterion<'a> {
@@ -31,7 +33,20 @@ impl<'a> Criterion<'a> {
         let p = basis.ncols();
         let mut columns = basis.resize_horizontally(p + 1, 0.0);
         columns.set_column(p, &rest);
-        Self { context, columns }
+        Self {
+            context,
+            columns,
+            spectra: Spectra::of(context),
+        }
+    }
+
+    /// Inverse of the curvature that C may be expected to have at `x`, a point that stands for these sizes.
+    pub(super) fn inverse_curvature(
+        &self,
+        sizes: impl Fn(&[f64]) -> Sizes,
+        x: &[f64],
+    ) -> Option<DMatrix<f64>> {
+        self.spectra.inverse_curvature(sizes, x)
     }
 
     /// Degrees of freedom that the mean leaves.

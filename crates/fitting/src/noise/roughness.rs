@@ -43,6 +43,11 @@ impl Roughness {
         }
     }
 
+    /// l of (N7).
+    pub(super) fn length(self) -> f64 {
+        self.length
+    }
+
     /// Whether the covariance is exponential.
     pub(super) fn is_exponential(self) -> bool {
         self.share == 0.0

@@ -26,18 +26,8 @@ pub(super) struct Minimum {
     pub(super) converged: bool,
 }
 
-/// Minimises `f` within box bounds from `start`.
+/// Minimises `f` within box bounds from `start`, with an estimate of the inverse of the Hessian where there is one.
 pub(super) fn minimise(
-    f: &(dyn Fn(&[f64]) -> f64 + Sync),
-    start: &[f64],
-    bounds: &[(f64, f64)],
-    most_iterations: usize,
-) -> Minimum {
-    minimise_from(f, start, None, bounds, most_iterations)
-}
-
-/// The same with an estimate of the inverse of the Hessian to start from.
-pub(super) fn minimise_from(
     f: &(dyn Fn(&[f64]) -> f64 + Sync),
     start: &[f64],
     inverse: Option<DMatrix<f64>>,
@@ -57,6 +47,7 @@ pub(super) fn minimise_from(
     let mut inverse = inverse.unwrap_or_else(|| DMatrix::identity(n, n) * FIRST);
     let mut slope = gradient(f, &x, value, &mut evaluations);
     let mut converged = false;
+    let mut promised_before = None;
     for _ in 0..most_iterations {
         // Coordinates that press on a bound stand still.
         let free: Vec<bool> = (0..n)
@@ -100,6 +91,13 @@ pub(super) fn minimise_from(
             converged = promised.abs() < 0.5;
             break;
         };
+        // The promises of whole steps fall by a factor. Where the next one, fallen as much, would not be worth taking, no slope is needed.
+        let fallen = promised_before.map_or(1.0, |before: f64| promised / before);
+        if length == 1.0 && promised.abs() * fallen < PROMISE {
+            (x, value, converged) = (next, next_value, true);
+            break;
+        }
+        promised_before = (length == 1.0).then_some(promised);
         let next_slope = gradient(f, &next, next_value, &mut evaluations);
         update(&mut inverse, &(&next - &x), &(&next_slope - &slope));
         x = next;
