@@ -98,19 +98,10 @@ pub fn estimate(
 ) -> NoiseModel {
     let n = context.samples();
     let runs = context.runs.len();
-    let gains = if n * runs <= 50 * MANY {
-        gain_columns(context)
-    } else {
-        DMatrix::zeros(n, 0)
-    };
     let (p, q) = (jacobian.ncols(), within.ncols());
-    let mut mean = jacobian
-        .clone()
-        .resize_horizontally(p + q + gains.ncols(), 0.0);
+    let mut mean = jacobian.clone().resize_horizontally(p + q, 0.0);
     mean.view_mut((0, p), (n, q)).copy_from(within);
-    mean.view_mut((0, p + q), (n, gains.ncols()))
-        .copy_from(&gains);
-    let criterion = Criterion::new(context, &mean, residual);
+    let criterion = Criterion::new(context, &mean, n * runs <= 50 * MANY, residual);
     let plate_separable = context.shared_places() > 0.05;
     let mut frame = Frame::new(context, &criterion, options, plate_separable);
 

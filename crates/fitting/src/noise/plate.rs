@@ -11,6 +11,8 @@
 //! precision root; seen through the filter along the run, a sample's dependence on the nodes forgets older nodes, so
 //! that its row is short and the nodes' information matrix is banded.
 
+use std::ops::Range;
+
 use super::along::{Along, TOGETHER};
 use super::channel::MOST_STATES;
 use super::context::{Context, Sizes};
@@ -287,6 +289,25 @@ impl Rows {
         )
     }
 
+    /// A^T of one whitened column, of up to [`TOGETHER`] of its runs apart from one another, node by node.
+    pub(super) fn transpose_times_runs(
+        &self,
+        column: &[f64],
+        runs: &[Range<usize>],
+        nodes: usize,
+    ) -> Vec<[f64; TOGETHER]> {
+        let mut out = vec![[0.0; TOGETHER]; nodes];
+        for (k, run) in runs.iter().enumerate() {
+            for i in run.clone() {
+                let x = column[i];
+                for (o, &a) in out[self.first[i]..].iter_mut().zip(self.row(i)) {
+                    o[k] = a.mul_add(x, o[k]);
+                }
+            }
+        }
+        out
+    }
+
     #[inline(always)]
     fn gathered(&self, columns: &[&[f64]], nodes: usize) -> Vec<[f64; TOGETHER]> {
         let mut out = vec![[0.0; TOGETHER]; nodes];
@@ -415,6 +436,10 @@ impl Information {
             nodes,
             log_det: 2.0 * (log_factor - log_prior),
         }
+    }
+
+    pub(super) fn nodes(&self) -> usize {
+        self.nodes
     }
 
     /// L^-1 b for [`TOGETHER`] columns, node by node.

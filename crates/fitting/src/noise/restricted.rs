@@ -9,6 +9,8 @@
 //! root of V: with the columns filtered along the runs (index 0) and A, L of the plate's field,
 //! a' V^-1 b = a0' b0 - (L^-1 A' a0)' (L^-1 A' b0).
 
+use std::ops::Range;
+
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::along::{Along, TOGETHER};
@@ -21,20 +23,79 @@ use super::vectors::wide;
 /// The data of the criterion, the columns orthonormalised once.
 pub(super) struct Criterion<'a> {
     context: &'a Context,
-    /// Basis of the mean's space, the residual as last column.
+    /// Gains of the runs in the mean, where they are.
+    gains: Option<Gains>,
+    /// Basis of the rest of the mean's space, the residual as last column.
     columns: DMatrix<f64>,
     spectra: Spectra,
 }
 
+/// Share of a column beyond the gains below which it is a sum of them.
+const PARALLEL: f64 = 1e-7;
+
+/// A gain for every run: as many columns, each zero outside of its run, side by side in one.
+struct Gains {
+    runs: Vec<Range<usize>>,
+    /// Force as recorded, of unit length in each run.
+    force: Vec<f64>,
+}
+
+impl Gains {
+    fn of(context: &Context) -> Self {
+        let mut force = context.scale.clone();
+        context.recorded(&mut force);
+        let mut runs = Vec::new();
+        for run in &context.runs {
+            let own = &mut force[run.clone()];
+            let norm = own.iter().map(|f| f * f).sum::<f64>().sqrt();
+            if norm > 0.0 && norm.is_finite() {
+                own.iter_mut().for_each(|f| *f /= norm);
+                runs.push(run.clone());
+            }
+        }
+        Self { runs, force }
+    }
+
+    /// Takes what is parallel to the gains out of a column; one that is a sum of them is zero then.
+    fn take_out(&self, column: &mut [f64]) {
+        let before = dot(column, column);
+        // Twice is enough (Kahan).
+        for run in self.runs.iter().chain(&self.runs) {
+            let (own, force) = (&mut column[run.clone()], &self.force[run.clone()]);
+            let along = dot(own, force);
+            for (x, f) in own.iter_mut().zip(force) {
+                *x -= along * f;
+            }
+        }
+        if dot(column, column) <= PARALLEL * PARALLEL * before {
+            column.fill(0.0);
+        }
+    }
+}
+
 impl<'a> Criterion<'a> {
-    pub(super) fn new(context: &'a Context, mean: &DMatrix<f64>, residual: &DVector<f64>) -> Self {
-        let basis = orthonormal_basis(mean);
-        let rest = residual - &basis * basis.tr_mul(residual);
+    /// `own_gains`: whether the mean holds a gain for every run beside the columns of `mean`.
+    pub(super) fn new(
+        context: &'a Context,
+        mean: &DMatrix<f64>,
+        own_gains: bool,
+        residual: &DVector<f64>,
+    ) -> Self {
+        let gains = own_gains.then(|| Gains::of(context));
+        let (mut mean, mut rest) = (mean.clone(), residual.clone());
+        if let Some(gains) = &gains {
+            let columns = mean.as_mut_slice().chunks_mut(residual.len().max(1));
+            columns.for_each(|column| gains.take_out(column));
+            gains.take_out(rest.as_mut_slice());
+        }
+        let basis = orthonormal_basis(&mean);
+        rest -= &basis * basis.tr_mul(&rest);
         let p = basis.ncols();
         let mut columns = basis.resize_horizontally(p + 1, 0.0);
         columns.set_column(p, &rest);
         Self {
             context,
+            gains,
             columns,
             spectra: Spectra::of(context),
         }
@@ -51,7 +112,8 @@ impl<'a> Criterion<'a> {
 
     /// Degrees of freedom that the mean leaves.
     pub(super) fn degrees_of_freedom(&self) -> usize {
-        self.columns.nrows() + 1 - self.columns.ncols()
+        let gains = self.gains.as_ref().map_or(0, |gains| gains.runs.len());
+        (self.columns.nrows() + 1).saturating_sub(self.columns.ncols() + gains)
     }
 
     /// Root mean square of the residual that the mean leaves.
@@ -65,7 +127,8 @@ impl<'a> Criterion<'a> {
         let p = self.columns.ncols() - 1;
         let mut mean = self.columns.clone();
         mean.set_column(p, column);
-        Self::new(self.context, &mean, &self.columns.column(p).into_owned())
+        let residual = self.columns.column(p).into_owned();
+        Self::new(self.context, &mean, self.gains.is_some(), &residual)
     }
 
     /// C of (N3); infinite where the sizes make no covariance.
@@ -104,6 +167,7 @@ impl<'a> Criterion<'a> {
             columns.set_column(p + 1 + k, &column);
         }
         let (gram, _) = self.whitened(columns, sizes, spacing);
+        let p = gram.nrows() - 1 - q;
         let factor = Cholesky::new(gram.view((0, 0), (p, p)).into_owned())?;
         let cross = gram.view((0, p), (p, 1 + q)).into_owned();
         let seen = factor.solve(&cross);
@@ -132,7 +196,7 @@ impl<'a> Criterion<'a> {
         steps
     }
 
-    /// The columns' Gram matrix X' V^-1 X, and log det V.
+    /// The Gram matrix X' V^-1 X of the gains and the columns, in this order, and log det V.
     fn whitened(
         &self,
         mut columns: DMatrix<f64>,
@@ -143,30 +207,87 @@ impl<'a> Criterion<'a> {
         let undone = self.context.undone(sizes);
         let along = Along::new(self.context, sizes, &undone, grid.unresolved(sizes));
         let n = columns.nrows();
+        let mut force = self.gains.as_ref().map(|gains| gains.force.clone());
         let mut parts: Vec<&mut [f64]> = columns.as_mut_slice().chunks_mut(n).collect();
+        parts.extend(force.as_deref_mut());
         parts.iter_mut().for_each(|column| undone.take_out(column));
         along.whiten(&mut parts);
-        let mut gram = gram(&columns);
+        let gains = match (&self.gains, force) {
+            (Some(gains), Some(force)) => Gains {
+                runs: gains.runs.clone(),
+                force,
+            },
+            _ => Gains {
+                runs: Vec::new(),
+                force: Vec::new(),
+            },
+        };
+        let mut gram = gains.gram_beside(&columns);
         let mut log_det = along.log_det - 2.0 * undone.log_det();
         if sizes.plate > 0.0 {
             let rows = Rows::new(self.context, sizes, &grid, &along);
             let information = Information::new(&rows, &grid, sizes);
             log_det += information.log_det;
-            let mut seen = DMatrix::zeros(grid.nodes, columns.ncols());
-            let parts: Vec<&[f64]> = columns.as_slice().chunks(n).collect();
-            for (c, block) in parts.chunks(TOGETHER).enumerate() {
-                let mut b = rows.transpose_times(block, grid.nodes);
-                information.solve_lower(&mut b);
-                for k in 0..block.len() {
-                    for (slot, b) in seen.column_mut(c * TOGETHER + k).iter_mut().zip(&b) {
-                        *slot = b[k];
-                    }
-                }
-            }
-            gram -= super::restricted::gram(&seen);
+            gram -= self::gram(&seen_by_the_plate(&rows, &information, &gains, &columns));
         }
         (gram, log_det)
     }
+}
+
+impl Gains {
+    /// The Gram matrix of these columns and of further ones.
+    fn gram_beside(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let (k, q) = (self.runs.len(), columns.ncols());
+        let mut out = DMatrix::zeros(k + q, k + q);
+        out.view_mut((k, k), (q, q)).copy_from(&gram(columns));
+        let n = columns.nrows();
+        for (j, run) in self.runs.iter().enumerate() {
+            let force = &self.force[run.clone()];
+            out[(j, j)] = dot(force, force);
+            for (c, column) in columns.as_slice().chunks(n).enumerate() {
+                let of = dot(&column[run.clone()], force);
+                (out[(j, k + c)], out[(k + c, j)]) = (of, of);
+            }
+        }
+        out
+    }
+}
+
+/// L^-1 A' x of the gains and the columns, in this order.
+fn seen_by_the_plate(
+    rows: &Rows,
+    information: &Information,
+    gains: &Gains,
+    columns: &DMatrix<f64>,
+) -> DMatrix<f64> {
+    let nodes = information.nodes();
+    let mut seen = DMatrix::zeros(nodes, gains.runs.len() + columns.ncols());
+    let mut solve = |first: usize, count: usize, mut b: Vec<[f64; TOGETHER]>| {
+        information.solve_lower(&mut b);
+        for k in 0..count {
+            for (slot, b) in seen.column_mut(first + k).iter_mut().zip(&b) {
+                *slot = b[k];
+            }
+        }
+    };
+    for (c, runs) in gains.runs.chunks(TOGETHER).enumerate() {
+        let b = rows.transpose_times_runs(&gains.force, runs, nodes);
+        solve(c * TOGETHER, runs.len(), b);
+    }
+    let parts: Vec<&[f64]> = columns.as_slice().chunks(columns.nrows()).collect();
+    for (c, block) in parts.chunks(TOGETHER).enumerate() {
+        let b = rows.transpose_times(block, nodes);
+        solve(gains.runs.len() + c * TOGETHER, block.len(), b);
+    }
+    seen
+}
+
+/// a'b in eight lanes.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    wide(
+        #[inline(always)]
+        || dots([a, a], [b, b])[0][0],
+    )
 }
 
 /// Rows of one block of a Gram matrix: all its columns fit a processor's second cache.

@@ -170,8 +170,16 @@ fn rotations_and_information_agree() {
 fn agree(sizes: &Sizes) {
     let context = ramps(150, 3);
     let r = draw(&context, sizes, 2);
-    let mean = gain_columns(&context);
-    let value = Criterion::new(&context, &mean, &r).value(sizes, sizes.node_spacing());
+    let wave = DMatrix::from_fn(context.samples(), 1, |i, _| (30.0 * context.place[i]).cos());
+    let gains = gain_columns(&context);
+    let mut mean = gains.clone().resize_horizontally(gains.ncols() + 1, 0.0);
+    mean.set_column(gains.ncols(), &wave.column(0));
+    let value_of = |mean: &DMatrix<f64>, own_gains: bool| {
+        Criterion::new(&context, mean, own_gains, &r).value(sizes, sizes.node_spacing())
+    };
+    let value = value_of(&wave, true);
+    let as_columns = value_of(&mean, false);
+    assert!((value - as_columns).abs() < 1e-8, "{value} {as_columns}");
     let whitener = Whitener::new(&context, sizes);
     let basis = orthonormal_basis(&mean);
     let x = whitener.whiten_columns(&basis);
