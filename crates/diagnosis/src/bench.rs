@@ -400,7 +400,6 @@ impl<'a> Bench<'a> {
         let search = Search::Again(Sizes {
             plate_ratio: 1.0,
             plate_smoothing: 0.0,
-            nodes: 0.0,
             ..sizes
         });
         self.noise_with(subset, fitted, jacobian, within, (search, false))

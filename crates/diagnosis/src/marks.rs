@@ -22,7 +22,7 @@ use crate::subset::Subset;
 use crate::tail::{log_chi2_tail, normal_deviate};
 
 /// Standard deviations of the strongest mark from which the noise is estimated beside it.
-const SUSPECT: f64 = 4.0;
+const SUSPECT: f64 = 3.0;
 /// Roughness of the plate beside which its place is sought, as a share of the smaller one of plate and runs.
 const SHARP: f64 = 0.25;
 /// Freedom of the tails: heavier than with the first no mark can be told from the roughness, from the last on they are normal.

@@ -296,6 +296,19 @@ impl Rows {
         runs: &[Range<usize>],
         nodes: usize,
     ) -> Vec<[f64; TOGETHER]> {
+        wide(
+            #[inline(always)]
+            || self.gathered_by_run(column, runs, nodes),
+        )
+    }
+
+    #[inline(always)]
+    fn gathered_by_run(
+        &self,
+        column: &[f64],
+        runs: &[Range<usize>],
+        nodes: usize,
+    ) -> Vec<[f64; TOGETHER]> {
         let mut out = vec![[0.0; TOGETHER]; nodes];
         for (k, run) in runs.iter().enumerate() {
             for i in run.clone() {
