@@ -40,7 +40,6 @@ fn rows(material: &str) -> Vec<Row> {
         smoothing: 0.0,
         plate_ratio: 1.0,
         plate_smoothing: 0.0,
-        nodes: 0.0,
         scatter: noise.scatter,
     };
     let campaign = campaign::open(&folder.join(format!("brush-2x2-{material}"))).unwrap();

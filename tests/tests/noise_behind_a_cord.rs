@@ -95,7 +95,6 @@ fn whitened(protocol: Protocol, size: f64, seed: u64) -> Vec<(bool, Vec<f64>)> {
         smoothing: 0.0,
         plate_ratio: 1.0,
         plate_smoothing: 0.0,
-        nodes: 0.0,
         scatter: noise.scatter,
     };
     let white = Whitener::new(&context, &sizes).whiten(&DVector::from_vec(residual));

@@ -356,7 +356,6 @@ impl<'a> Bench<'a> {
             smoothing: 0.0,
             plate_ratio: 1.0,
             plate_smoothing: 0.0,
-            nodes: 0.0,
             scatter: 0.01,
         }
     }

@@ -1,5 +1,5 @@
 //! Short bursts of unrest in single runs, such as stick-slip that comes and goes: a stretch that is louder than the same stretch
-//! of other runs, one that beats in a rhythm, blows that come in a crowd, a single one, or spikes here and there. The searches pay for one
+//! of other runs, one that beats in a rhythm or as a sawtooth does, blows that come in a crowd, a single one, or spikes here and there. The searches pay for one
 //! another by Bonferroni's bound.
 
 use std::ops::Range;
@@ -12,15 +12,16 @@ use crate::general::Lack;
 use crate::ground::Ground;
 use crate::rhythm::rhythm;
 use crate::samples::Samples;
+use crate::sawtooth::sawtooth;
 use crate::spikes::spikes;
 use crate::tail::log_chi2_tail;
 
 /// Samples of a stretch; neighbours overlap by half.
 const WINDOW: usize = 40;
-/// Beyond so many standard deviations a sample is a blow and says nothing more about unrest.
+/// Beyond so many standard deviations a sample is a blow and says nothing more about unrest or a rhythm.
 const CLIP: f64 = 3.0;
-/// The same of a rhythm: the jumps of a sawtooth are blows, and of the waves in one blow none is strong.
-const CLIP_OF_RHYTHM: f64 = 5.0;
+/// The same of a sawtooth, whose jumps are blows; of the waves in a single blow none is strong.
+const CLIP_OF_JUMPS: f64 = 5.0;
 
 /// The strongest burst in the whitened residual. Of a channel so coarse that its record is a staircase the residual is what lies `beyond` the
 /// rounding: nothing most of the time, and in stretches whatever roughness carries a level over its edge. Unrest and rhythm cannot be
@@ -33,7 +34,8 @@ pub(crate) fn bursts(ground: &Ground, samples: &Samples, names: &[String], beyon
     let mut searches = vec![blow(&y, samples, names)];
     if !beyond {
         searches.push(unrest(&clipped(CLIP), samples, names));
-        searches.push(rhythm(&clipped(CLIP_OF_RHYTHM), samples, names));
+        searches.push(rhythm(&clipped(CLIP), samples, names));
+        searches.push(sawtooth(&clipped(CLIP_OF_JUMPS), samples, names));
         let level = levelled(y.as_slice(), &samples.runs);
         searches.push(crowd(&level, samples, names));
         searches.push(spikes(&level, samples, names));

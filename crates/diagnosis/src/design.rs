@@ -84,7 +84,6 @@ pub fn design(campaign: &Campaign, options: &Options) -> Result<Design, Diagnosi
         smoothing: 0.0,
         plate_ratio: 1.0,
         plate_smoothing: 0.0,
-        nodes: 0.0,
         scatter: NOMINAL_SCATTER,
     };
     let subset = Subset::all(&bench);

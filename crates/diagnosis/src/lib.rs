@@ -53,6 +53,7 @@ mod refusal;
 mod rhythm;
 mod rises;
 mod samples;
+mod sawtooth;
 mod scan;
 mod scatter;
 mod scrambled;

@@ -214,7 +214,6 @@ impl Task<'_> {
                 smoothing: 0.0,
                 plate_ratio: 1.0,
                 plate_smoothing: 0.0,
-                nodes: 0.0,
                 scatter: 0.0,
             },
             log_sd: Vec::new(),

@@ -71,7 +71,6 @@ mod tests {
                 smoothing,
                 plate_ratio: 1.0,
                 plate_smoothing: 0.0,
-                nodes: 0.0,
                 scatter: 0.0,
             };
             let mut generator = ChaCha8Rng::seed_from_u64(3);

@@ -210,7 +210,6 @@ fn a_prediction_band_holds_its_share_of_new_campaigns() {
             smoothing: 0.0,
             plate_ratio: 1.0,
             plate_smoothing: 0.0,
-            nodes: 0.0,
             scatter: 0.006,
         },
     };

@@ -118,7 +118,6 @@ impl Oracle {
             smoothing: 0.0,
             plate_ratio: 1.0,
             plate_smoothing: 0.0,
-            nodes: 0.0,
             scatter: 0.0,
         };
         let whitener = Whitener::new(&context, &sizes);

@@ -45,8 +45,6 @@ pub struct Sizes {
     pub plate_smoothing: f64,
     /// Relative standard deviation of the gain of a run.
     pub scatter: f64,
-    /// Spacing of the plate's nodes that is held to, m (or rad): 0 where the sizes choose their own, see [`Sizes::node_spacing`].
-    pub nodes: f64,
 }
 
 /// Nodes per correlation length of the plate's field, where plate and private roughness are alike.
@@ -58,8 +56,6 @@ pub struct Sizes {
 const NODES_PER_LENGTH: f64 = 12.0;
 /// Never finer than this many times the nodes of equal sizes.
 const FINEST: f64 = 3.0;
-/// How far a spacing may be from the sizes' own and is held to.
-const HELD: f64 = 1.3;
 
 impl Sizes {
     /// Correlation length of the plate's roughness, m (or rad).
@@ -67,18 +63,8 @@ impl Sizes {
         self.length * self.plate_ratio
     }
 
-    /// Spacing of the grid that carries the plate's field, m (or rad): that which these sizes were found on, as long as it is near their own.
-    ///
-    /// What lies between nodes depends on where they are: from one spacing to another half of a percent finer -2 log likelihood jumps by up to
-    /// thirty where repeats pass the same places, and a finer grid alone is likelier. Models whose noise differs little are compared on one grid.
+    /// Spacing of the grid that carries the plate's field, m (or rad): finer the more the plate outweighs the private roughness.
     pub fn node_spacing(&self) -> f64 {
-        let own = self.own_node_spacing();
-        let near = self.nodes > own / HELD && self.nodes < own * HELD;
-        if near { self.nodes } else { own }
-    }
-
-    /// The spacing that suits the sizes: finer the more the plate outweighs the private roughness.
-    fn own_node_spacing(&self) -> f64 {
         let finer = if self.plate > self.private {
             (self.plate / self.private).min(FINEST)
         } else {

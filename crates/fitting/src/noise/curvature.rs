@@ -127,7 +127,6 @@ mod tests {
         plate_ratio: 1.0,
         plate_smoothing: 0.0,
         scatter: 0.0,
-        nodes: 0.0,
     };
 
     /// The spectrum's mean over all frequencies is the variance, one, exponential or smooth.

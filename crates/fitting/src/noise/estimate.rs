@@ -159,7 +159,6 @@ pub fn estimate(
         &conditions,
     );
     sizes.scatter = scatter.estimate();
-    sizes.nodes = sizes.node_spacing();
     NoiseModel {
         sizes,
         log_sd,
@@ -236,8 +235,6 @@ pub(super) struct Frame {
     longest_plate: f64,
     /// The longest length where no law can be mistaken for a field of the plate; `None` where it can.
     longest_to_and_fro: Option<f64>,
-    /// Spacing of the plate's nodes on which the former sizes were found; 0 where there are none.
-    nodes: f64,
 }
 
 impl Frame {
@@ -294,7 +291,6 @@ impl Frame {
             lengths,
             longest_plate: span / LONGEST_PLATE_SHARE,
             longest_to_and_fro,
-            nodes: options.search.start().map_or(0.0, |s| s.nodes),
         }
         .counting(options)
         .with(if own_length {
@@ -354,7 +350,6 @@ impl Frame {
             plate_ratio: ratio.min(longest),
             plate_smoothing: x.get(SMOOTHER_PLATE).map_or(0.0, |s| s.exp()),
             scatter: 0.0,
-            nodes: self.nodes,
         }
     }
 

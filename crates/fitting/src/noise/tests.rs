@@ -81,7 +81,6 @@ const SIZES: Sizes = Sizes {
     smoothing: 0.0,
     plate_ratio: 1.0,
     plate_smoothing: 0.0,
-    nodes: 0.0,
     scatter: 0.01,
 };
 
@@ -111,7 +110,6 @@ const APART: Sizes = Sizes {
 const SMOOTH_PLATE: Sizes = Sizes {
     smoothing: 0.15,
     plate_smoothing: 0.7,
-    nodes: 0.0,
     ..SIZES
 };
 

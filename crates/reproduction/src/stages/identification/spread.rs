@@ -18,7 +18,6 @@ pub(crate) struct Kept {
     plate_ratio: f64,
     plate_smoothing: f64,
     scatter: f64,
-    nodes: f64,
     scatters: Vec<(f64, f64)>,
 }
 
@@ -42,7 +41,6 @@ impl From<&Spread> for Kept {
             plate_ratio: sizes.plate_ratio,
             plate_smoothing: sizes.plate_smoothing,
             scatter: sizes.scatter,
-            nodes: sizes.nodes,
             scatters: spread.scatters.clone(),
         }
     }
@@ -66,7 +64,6 @@ impl From<Kept> for Spread {
                 plate_ratio: kept.plate_ratio,
                 plate_smoothing: kept.plate_smoothing,
                 scatter: kept.scatter,
-                nodes: kept.nodes,
             },
             scatters: kept.scatters,
         }
@@ -90,7 +87,6 @@ mod tests {
                 smoothing: 0.0,
                 plate_ratio: 1.0,
                 plate_smoothing: 0.0,
-                nodes: 6e-4,
                 scatter: 5e-3,
             },
             scatters: vec![(0.0, 0.25), (0.1, 0.75)],
