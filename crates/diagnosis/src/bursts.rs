@@ -33,8 +33,9 @@ pub(crate) fn bursts(ground: &Ground, samples: &Samples, names: &[String], beyon
     let clipped = |at: f64| y.map(|v| v.clamp(-at, at));
     let mut searches = vec![blow(&y, samples, names)];
     if !beyond {
-        searches.push(unrest(&clipped(CLIP), samples, names));
-        searches.push(rhythm(&clipped(CLIP), samples, names));
+        let calm = clipped(CLIP);
+        searches.push(unrest(&calm, samples, names));
+        searches.push(rhythm(&calm, samples, names));
         searches.push(sawtooth(&clipped(CLIP_OF_JUMPS), samples, names));
         let level = levelled(y.as_slice(), &samples.runs);
         searches.push(crowd(&level, samples, names));

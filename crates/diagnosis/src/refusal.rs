@@ -13,6 +13,7 @@ use crate::scan::Scan;
 use crate::selection::{ALPHA_GENERAL, MOST_EFFECTS, SHAPE_TOLERANCE, Selected, Single, strict};
 use crate::settled::settle;
 use crate::stand::Stand;
+use crate::subset::Subset;
 use crate::uniform::is_uniform;
 
 /// Where something is left that nothing explains, one cause stays named only if it explains this share of all of it.
@@ -167,12 +168,7 @@ pub(crate) fn take_one_back(
 
 /// The law alone again; what was seen stays seen.
 pub(crate) fn take_all_back(bench: &Bench<'_>, selected: &mut Selected) {
-    let seen = selected.seen();
-    let fitted = selected.baseline.fitted.clone();
-    selected.stand = Stand::new(bench, &selected.subset, fitted, selected.stand.sizes);
-    selected.entry_log_p.clear();
-    selected.left = lack(bench, &selected.subset, &selected.stand);
-    selected.left.log_p = selected.left.log_p.min(seen);
+    back_to_the_law(bench, selected, lack);
 }
 
 /// Where one mark somewhere on the plate explains more than all named causes together, nothing is named: a step in the middle looks like
@@ -190,7 +186,7 @@ fn refuse_beside_mark(bench: &Bench<'_>, selected: &mut Selected, worth: f64) {
     }
     let why = "explains less than a scratch or a step of friction somewhere on the plate would";
     say_why(bench, selected, why);
-    back_to_the_law(bench, selected, mark.lack());
+    back_to_the_law(bench, selected, |_, _, _| mark.lack());
 }
 
 /// Where one or two runs with a law of their own explain what all named causes together explain, nothing is named: they were made with
@@ -220,16 +216,20 @@ fn refuse_beside_foreign_runs(bench: &Bench<'_>, selected: &mut Selected, worth:
         place: Some(foreign.place(bench, &selected.subset)),
         excess: foreign.explained,
     };
-    back_to_the_law(bench, selected, left);
+    back_to_the_law(bench, selected, |_, _, _| left);
 }
 
 /// The law alone, beside which this is left; what was seen stays seen.
-fn back_to_the_law(bench: &Bench<'_>, selected: &mut Selected, left: Lack) {
+fn back_to_the_law(
+    bench: &Bench<'_>,
+    selected: &mut Selected,
+    left: impl FnOnce(&Bench<'_>, &Subset, &Stand) -> Lack,
+) {
     let seen = selected.seen();
     let fitted = selected.baseline.fitted.clone();
     selected.stand = Stand::new(bench, &selected.subset, fitted, selected.stand.sizes);
     selected.entry_log_p.clear();
-    selected.left = left;
+    selected.left = left(bench, &selected.subset, &selected.stand);
     selected.left.log_p = selected.left.log_p.min(seen);
 }
 

@@ -20,7 +20,7 @@ use crate::samples::Samples;
 use crate::tail::log_chi2_tail;
 
 /// Samples of a stretch; neighbours overlap by half.
-pub(crate) const WINDOW: usize = 90;
+const WINDOW: usize = 90;
 /// Slowest rhythm, in turns a stretch.
 pub(crate) const SLOWEST: usize = 3;
 /// Frequencies between two that are independent: a rhythm between them would lose a third of its power.
@@ -31,10 +31,17 @@ const MEDIAN: f64 = 2.0 * std::f64::consts::LN_2;
 /// One stretch of a run with its periodogram over that of the campaign's other stretches.
 pub(crate) struct Stretch {
     pub(crate) run: usize,
-    pub(crate) start: usize,
+    start: usize,
     /// Place in the run, in half stretches.
     slot: usize,
     pub(crate) powers: Vec<f64>,
+}
+
+impl Stretch {
+    pub(crate) fn place(&self, samples: &Samples, names: &[String]) -> Place {
+        let last = self.start + WINDOW - 1;
+        in_run(samples, names, self.run, self.start, last)
+    }
 }
 
 /// The strongest rhythm in a residual of unit variance: of one run, or of all runs at the same time together (a rhythm that comes back
@@ -92,13 +99,7 @@ fn alone(stretches: &[Stretch], samples: &Samples, names: &[String]) -> Lack {
     let asked = (stretches.len() * best.powers.len()) as f64;
     Lack {
         log_p: (asked.ln() - 0.5 * power).min(0.0),
-        place: Some(in_run(
-            samples,
-            names,
-            best.run,
-            best.start,
-            best.start + WINDOW - 1,
-        )),
+        place: Some(best.place(samples, names)),
         excess: (power - 2.0).max(0.0),
     }
 }
@@ -126,13 +127,7 @@ fn together(stretches: &[Stretch], samples: &Samples, names: &[String]) -> Lack 
         .collect();
     let place = loud.first().map(|first| Place {
         runs: loud.iter().map(|s| names[s.run].clone()).collect(),
-        ..in_run(
-            samples,
-            names,
-            first.run,
-            first.start,
-            first.start + WINDOW - 1,
-        )
+        ..first.place(samples, names)
     });
     Lack {
         log_p: (log_p + ((slots * frequencies) as f64).ln()).min(0.0),

@@ -10,10 +10,8 @@
 
 use nalgebra::DVector;
 
-use crate::answer::Place;
-use crate::bursts::in_run;
 use crate::general::Lack;
-use crate::rhythm::{SLOWEST, Stretch, WINDOW, stretches};
+use crate::rhythm::{SLOWEST, Stretch, stretches};
 use crate::samples::Samples;
 use crate::tail::log_chi2_tail;
 
@@ -29,14 +27,9 @@ pub(crate) fn sawtooth(y: &DVector<f64>, samples: &Samples, names: &[String]) ->
     let stretches = stretches(y, &samples.runs, BETWEEN);
     loudest(&stretches).map_or_else(Lack::nothing, |found| Lack {
         log_p: found.log_p.min(0.0),
-        place: Some(place(found.stretch, samples, names)),
+        place: Some(found.stretch.place(samples, names)),
         excess: found.excess.max(0.0),
     })
-}
-
-fn place(stretch: &Stretch, samples: &Samples, names: &[String]) -> Place {
-    let last = stretch.start + WINDOW - 1;
-    in_run(samples, names, stretch.run, stretch.start, last)
 }
 
 /// The stretch with the least probable sum of harmonics.

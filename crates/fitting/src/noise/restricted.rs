@@ -17,14 +17,14 @@ use super::along::{Along, TOGETHER};
 use super::context::{Context, Sizes};
 use super::curvature::Spectra;
 use super::plate::{Grid, Information, Rows};
-use super::scatter::orthonormal_basis;
+use super::scatter::{orthonormal_basis, stacked_gains};
 use super::vectors::wide;
 
 /// The data of the criterion, the columns orthonormalised once.
 pub(super) struct Criterion<'a> {
     context: &'a Context,
-    /// Gains of the runs in the mean, where they are.
-    gains: Option<Gains>,
+    /// Gains of the runs in the mean.
+    gains: Gains,
     /// Basis of the rest of the mean's space, the residual as last column.
     columns: DMatrix<f64>,
     spectra: Spectra,
@@ -34,6 +34,7 @@ pub(super) struct Criterion<'a> {
 const PARALLEL: f64 = 1e-7;
 
 /// A gain for every run: as many columns, each zero outside of its run, side by side in one.
+#[derive(Clone, Default)]
 struct Gains {
     runs: Vec<Range<usize>>,
     /// Force as recorded, of unit length in each run.
@@ -42,8 +43,7 @@ struct Gains {
 
 impl Gains {
     fn of(context: &Context) -> Self {
-        let mut force = context.scale.clone();
-        context.recorded(&mut force);
+        let mut force = stacked_gains(context);
         let mut runs = Vec::new();
         for run in &context.runs {
             let own = &mut force[run.clone()];
@@ -81,13 +81,14 @@ impl<'a> Criterion<'a> {
         own_gains: bool,
         residual: &DVector<f64>,
     ) -> Self {
-        let gains = own_gains.then(|| Gains::of(context));
+        let gains = match own_gains {
+            true => Gains::of(context),
+            false => Gains::default(),
+        };
         let (mut mean, mut rest) = (mean.clone(), residual.clone());
-        if let Some(gains) = &gains {
-            let columns = mean.as_mut_slice().chunks_mut(residual.len().max(1));
-            columns.for_each(|column| gains.take_out(column));
-            gains.take_out(rest.as_mut_slice());
-        }
+        let columns = mean.as_mut_slice().chunks_mut(residual.len().max(1));
+        columns.for_each(|column| gains.take_out(column));
+        gains.take_out(rest.as_mut_slice());
         let basis = orthonormal_basis(&mean);
         rest -= &basis * basis.tr_mul(&rest);
         let p = basis.ncols();
@@ -112,8 +113,8 @@ impl<'a> Criterion<'a> {
 
     /// Degrees of freedom that the mean leaves.
     pub(super) fn degrees_of_freedom(&self) -> usize {
-        let gains = self.gains.as_ref().map_or(0, |gains| gains.runs.len());
-        (self.columns.nrows() + 1).saturating_sub(self.columns.ncols() + gains)
+        let taken = self.columns.ncols() + self.gains.runs.len();
+        (self.columns.nrows() + 1).saturating_sub(taken)
     }
 
     /// Root mean square of the residual that the mean leaves.
@@ -128,7 +129,7 @@ impl<'a> Criterion<'a> {
         let mut mean = self.columns.clone();
         mean.set_column(p, column);
         let residual = self.columns.column(p).into_owned();
-        Self::new(self.context, &mean, self.gains.is_some(), &residual)
+        Self::new(self.context, &mean, !self.gains.runs.is_empty(), &residual)
     }
 
     /// C of (N3); infinite where the sizes make no covariance.
@@ -207,21 +208,13 @@ impl<'a> Criterion<'a> {
         let undone = self.context.undone(sizes);
         let along = Along::new(self.context, sizes, &undone, grid.unresolved(sizes));
         let n = columns.nrows();
-        let mut force = self.gains.as_ref().map(|gains| gains.force.clone());
         let mut parts: Vec<&mut [f64]> = columns.as_mut_slice().chunks_mut(n).collect();
-        parts.extend(force.as_deref_mut());
+        let mut gains = self.gains.clone();
+        if !gains.force.is_empty() {
+            parts.push(&mut gains.force);
+        }
         parts.iter_mut().for_each(|column| undone.take_out(column));
         along.whiten(&mut parts);
-        let gains = match (&self.gains, force) {
-            (Some(gains), Some(force)) => Gains {
-                runs: gains.runs.clone(),
-                force,
-            },
-            _ => Gains {
-                runs: Vec::new(),
-                force: Vec::new(),
-            },
-        };
         let mut gram = gains.gram_beside(&columns);
         let mut log_det = along.log_det - 2.0 * undone.log_det();
         if sizes.plate > 0.0 {

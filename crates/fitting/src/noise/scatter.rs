@@ -195,6 +195,13 @@ pub fn free_gains(gains: &DMatrix<f64>, projected: &DMatrix<f64>) -> (Vec<f64>, 
     (lambda, eigen.eigenvectors.select_columns(&order))
 }
 
+/// Every run's own force as recorded, one behind the other.
+pub(super) fn stacked_gains(context: &Context) -> Vec<f64> {
+    let mut gains = context.scale.clone();
+    context.recorded(&mut gains);
+    gains
+}
+
 /// Stacked force of run k in column k, zero in all other runs.
 pub(super) fn gain_columns(context: &Context) -> DMatrix<f64> {
     let mut gains = DMatrix::zeros(context.samples(), context.runs.len());

@@ -15,7 +15,7 @@ use super::channel::Undone;
 use super::context::{Context, Sizes};
 use super::plate::{Grid, Rows};
 use super::rotations::{MOST_TOGETHER, Rotations};
-use super::scatter::gain_columns;
+use super::scatter::{gain_columns, stacked_gains};
 
 /// With more runs than this the scatter's root is taken run by run (the coupling of runs through the plate's field is
 /// then left out of the scatter, not out of the field).
@@ -241,7 +241,5 @@ fn remove(x: &mut [f64], u: &[f64], shrink: f64) {
 
 /// One column that holds every run's own force.
 fn all_gains(context: &Context) -> DMatrix<f64> {
-    let mut gains = context.scale.clone();
-    context.recorded(&mut gains);
-    DMatrix::from_vec(context.samples(), 1, gains)
+    DMatrix::from_vec(context.samples(), 1, stacked_gains(context))
 }
