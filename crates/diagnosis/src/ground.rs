@@ -67,6 +67,8 @@ pub(crate) struct Score {
     pub(crate) sd: Vec<f64>,
     /// The likeliest scatter with the effect in the model.
     pub(crate) scatter: f64,
+    /// How many times the variance that was reckoned the noise was taken to have.
+    pub(crate) background: f64,
 }
 
 impl Score {
@@ -85,6 +87,7 @@ impl Score {
     pub(crate) fn over(mut self, background: f64) -> Self {
         self.statistic /= background;
         self.log_p /= background;
+        self.background *= background;
         self.sd.iter_mut().for_each(|sd| *sd *= background.sqrt());
         self
     }
@@ -242,6 +245,7 @@ impl Ground {
             log_p: log_p.min(0.0),
             coefficients: coefficients.iter().copied().collect(),
             scatter: best.1,
+            background: 1.0,
         }
     }
 

@@ -6,9 +6,10 @@
 //! P(f) = (2 / n) |sum_j y_j exp(-2 pi i f j)|^2                                                        (D7)
 //! ```
 //!
-//! is a chi-squared with two degrees of freedom. What whitening leaves uneven over the frequencies is taken from the other
-//! stretches of the campaign, at least the healthy rig's own.
+//! is a chi-squared with two degrees of freedom. What whitening leaves uneven over the frequencies, and over the wavelengths on the surface (roughness
+//! that is smoother than any covariance known here), is taken from the other stretches of the campaign, at least the healthy rig's own.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 use nalgebra::DVector;
@@ -47,7 +48,7 @@ impl Stretch {
 /// The strongest rhythm in a residual of unit variance: of one run, or of all runs at the same time together (a rhythm that comes back
 /// in every other run is weak in each of them). The two searches pay for one another by Bonferroni's bound.
 pub(crate) fn rhythm(y: &DVector<f64>, samples: &Samples, names: &[String]) -> Lack {
-    let stretches = stretches(y, &samples.runs, BETWEEN);
+    let stretches = stretches(y, &samples.runs, &samples.sliding, BETWEEN);
     if stretches.len() < 4 {
         return Lack::nothing();
     }
@@ -60,14 +61,21 @@ pub(crate) fn rhythm(y: &DVector<f64>, samples: &Samples, names: &[String]) -> L
     best
 }
 
-/// All stretches with their periodograms, at so many frequencies in one turn a stretch.
-pub(crate) fn stretches(y: &DVector<f64>, runs: &[Range<usize>], between: usize) -> Vec<Stretch> {
+/// All stretches with their periodograms, at so many frequencies in one turn a stretch. `sliding`: distance slid at each sample.
+pub(crate) fn stretches(
+    y: &DVector<f64>,
+    runs: &[Range<usize>],
+    sliding: &[f64],
+    between: usize,
+) -> Vec<Stretch> {
     let waves = waves(between);
     let mut out = Vec::new();
+    let mut slid = Vec::new();
     for (run, range) in runs.iter().enumerate() {
         let last = range.end.saturating_sub(WINDOW - 1);
         for (slot, start) in (range.start..last).step_by(WINDOW / 2).enumerate() {
             let powers = periodogram(&y.as_slice()[start..start + WINDOW], &waves);
+            slid.push(sliding[start + WINDOW - 1] - sliding[start]);
             out.push(Stretch {
                 run,
                 start,
@@ -76,15 +84,56 @@ pub(crate) fn stretches(y: &DVector<f64>, runs: &[Range<usize>], between: usize)
             });
         }
     }
+    let of_wavelengths = background_of_wavelengths(&out, &slid, between);
     for f in 0..waves.len() {
-        let mut own: Vec<f64> = out.iter().map(|s| s.powers[f]).collect();
-        own.sort_by(f64::total_cmp);
-        let background = own
-            .get(own.len() / 2)
-            .map_or(1.0, |m| (m / MEDIAN).max(1.0));
-        out.iter_mut().for_each(|s| s.powers[f] /= background);
+        let own = out.iter().map(|s| s.powers[f]).collect();
+        let background = background(own);
+        for (s, of_wavelength) in out.iter_mut().zip(&of_wavelengths) {
+            s.powers[f] /= background.max(of_wavelength[f]);
+        }
     }
     out
+}
+
+/// What whitening leaves, by the median: at least what it leaves of a healthy rig.
+fn background(mut powers: Vec<f64>) -> f64 {
+    powers.sort_by(f64::total_cmp);
+    let median = powers.get(powers.len() / 2);
+    median.map_or(1.0, |m| (m / MEDIAN).max(1.0))
+}
+
+/// For each stretch and frequency the background of its wavelength, `slid` over turns, among all that are as long to a fifth.
+fn background_of_wavelengths(stretches: &[Stretch], slid: &[f64], between: usize) -> Vec<Vec<f64>> {
+    const FIFTH: f64 = 0.2;
+    /// Of fewer stretches the median may be one stretch's rhythm.
+    const FEWEST: usize = 8;
+    let class = |slid: f64, f: usize| {
+        let turns = (SLOWEST * between + f) as f64 / between as f64;
+        (slid > 0.0).then(|| ((slid / turns).ln() / FIFTH).floor() as i64)
+    };
+    let mut classes: BTreeMap<i64, (Vec<f64>, BTreeSet<usize>)> = BTreeMap::new();
+    for (k, (stretch, slid)) in stretches.iter().zip(slid).enumerate() {
+        for (f, power) in stretch.powers.iter().enumerate() {
+            if let Some(class) = class(*slid, f) {
+                let (powers, from) = classes.entry(class).or_default();
+                powers.push(*power);
+                from.insert(k);
+            }
+        }
+    }
+    let of_class: BTreeMap<i64, f64> = classes
+        .into_iter()
+        .filter(|(_, (_, from))| from.len() >= FEWEST)
+        .map(|(class, (powers, _))| (class, background(powers)))
+        .collect();
+    let of = |slid: f64, f: usize| class(slid, f).and_then(|c| of_class.get(&c).copied());
+    let each = stretches.iter().zip(slid);
+    each.map(|(s, slid)| {
+        (0..s.powers.len())
+            .map(|f| of(*slid, f).unwrap_or(1.0))
+            .collect()
+    })
+    .collect()
 }
 
 fn alone(stretches: &[Stretch], samples: &Samples, names: &[String]) -> Lack {

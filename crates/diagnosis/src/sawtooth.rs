@@ -24,7 +24,7 @@ const HARMONICS: usize = 5;
 
 /// The strongest sawtooth in a residual of unit variance.
 pub(crate) fn sawtooth(y: &DVector<f64>, samples: &Samples, names: &[String]) -> Lack {
-    let stretches = stretches(y, &samples.runs, BETWEEN);
+    let stretches = stretches(y, &samples.runs, &samples.sliding, BETWEEN);
     loudest(&stretches).map_or_else(Lack::nothing, |found| Lack {
         log_p: found.log_p.min(0.0),
         place: Some(found.stretch.place(samples, names)),
@@ -90,7 +90,8 @@ mod tests {
             y[2 * 600 + 213 + j as usize] += height * waves.sum::<f64>();
         }
         let runs: Vec<Range<usize>> = (0..8).map(|k| 600 * k..600 * (k + 1)).collect();
-        let stretches = stretches(&y, &runs, BETWEEN);
+        let sliding: Vec<f64> = (0..y.len()).map(|i| i as f64).collect();
+        let stretches = stretches(&y, &runs, &sliding, BETWEEN);
         let found = loudest(&stretches).expect("there are stretches");
         (found.log_p, found.stretch.run)
     }

@@ -110,10 +110,12 @@ fn recover(
     let (cause, fit, _) = fits.into_iter().next()?;
     let next = settle(bench, subset, &fit, found)?;
     let saved = stand.deviance - next.deviance;
+    // Where roughness stands high over whole bands of wavelengths a line there saves as much more.
+    let evidence = saved.max(0.0) / suspect.score.background;
     let search = suspect.log_p - suspect.score.log_p;
     let asked = bench.catalogue[cause].sizes().len();
     Some(Recovered {
-        log_p: log_chi2_tail(saved.max(0.0), asked) + search,
+        log_p: log_chi2_tail(evidence, asked) + search,
         saved,
         stand: next,
     })
