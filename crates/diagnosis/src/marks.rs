@@ -40,6 +40,8 @@ pub(crate) struct Mark {
     pub(crate) log_p: f64,
     /// What -2 log likelihood falls by with the mark in the model, each at its own noise and scatter, less what the search costs.
     pub(crate) explained: f64,
+    /// What the search costs.
+    pub(crate) search: f64,
 }
 
 impl Mark {
@@ -211,6 +213,7 @@ impl Search<'_> {
             },
             log_p: (log_chi2_tail(deviate * deviate, 1) + price).min(0.0),
             explained: weight.explained - 2.0 * price,
+            search: 2.0 * price,
         }
     }
 

@@ -10,7 +10,9 @@ use crate::left::lack;
 use crate::look_back::fitted_without;
 use crate::marks;
 use crate::scan::Scan;
-use crate::selection::{ALPHA_GENERAL, MOST_EFFECTS, SHAPE_TOLERANCE, Selected, Single, strict};
+use crate::selection::{
+    ALPHA_GENERAL, ALPHA_NAME, MOST_EFFECTS, SHAPE_TOLERANCE, Selected, Single, strict,
+};
 use crate::settled::settle;
 use crate::stand::Stand;
 use crate::subset::Subset;
@@ -22,6 +24,9 @@ const DOMINANT: f64 = 0.95;
 const DOMINANT_PAIR: f64 = 0.95;
 /// The same of three: beside a rest they are as little to be believed as four, unless it is what their shapes may be wrong by.
 const DOMINANT_TRIPLE: f64 = 1.0 - SHAPE_TOLERANCE * SHAPE_TOLERANCE;
+
+/// A mark that explains less than this share of what a cause does, the search for it paid for, is none.
+const MOSTLY: f64 = 0.5;
 
 /// Runs with a law of their own are looked at closely from this share on of what all named causes explain.
 const NEAR: f64 = 0.5;
@@ -172,7 +177,8 @@ pub(crate) fn take_all_back(bench: &Bench<'_>, selected: &mut Selected) {
 }
 
 /// Where one mark somewhere on the plate explains more than all named causes together, nothing is named: a step in the middle looks like
-/// a gradient, three quarters of it.
+/// a gradient, three quarters of it. A cause that varies along the plate must moreover be likelier than the best mark there is, since beside
+/// roughness that may take up what remains a gradient explains all of a step.
 fn refuse_beside_mark(bench: &Bench<'_>, selected: &mut Selected, worth: f64) {
     if selected.stand.fitted.effects.is_empty() {
         return;
@@ -181,10 +187,20 @@ fn refuse_beside_mark(bench: &Bench<'_>, selected: &mut Selected, worth: f64) {
     let Some(mark) = marks::strongest(bench, &selected.subset, law, &law.ground) else {
         return;
     };
-    if mark.explained < law.deviance - selected.stand.deviance + worth {
+    let named = law.deviance - selected.stand.deviance;
+    let along_the_plate = match selected.stand.fitted.effects[..] {
+        [one] => {
+            let cause = &bench.catalogue[one];
+            cause.station() == Station::Surface && !cause.is_periodic()
+        }
+        _ => false,
+    };
+    let likelier = named - (mark.explained + mark.search) > -2.0 * ALPHA_NAME.ln();
+    let as_good = along_the_plate && !likelier && mark.explained > MOSTLY * named;
+    if mark.explained < named + worth && !as_good {
         return;
     }
-    let why = "explains less than a scratch or a step of friction somewhere on the plate would";
+    let why = "explains less, or hardly more, than a scratch or a step of friction somewhere on the plate would";
     say_why(bench, selected, why);
     back_to_the_law(bench, selected, |_, _, _| mark.lack());
 }

@@ -47,7 +47,7 @@ pub struct Sizes {
     pub scatter: f64,
 }
 
-/// Nodes per correlation length of the plate's field, where plate and private roughness are alike.
+/// Nodes per correlation length of the plate's field, at least, where plate and private roughness are alike.
 ///
 /// What the grid leaves between its nodes repeats with every run, but the filter along the runs takes it as private to each.
 /// At wavelengths far above the spacing h its spectrum is plate^2 h^2 / (6 l); the private roughness that hides it has
@@ -63,14 +63,18 @@ impl Sizes {
         self.length * self.plate_ratio
     }
 
-    /// Spacing of the grid that carries the plate's field, m (or rad): finer the more the plate outweighs the private roughness.
+    /// Spacing of the grid that carries the plate's field, m (or rad): finer the more the plate outweighs the private roughness, and a power of two.
+    ///
+    /// What lies between nodes depends on where they are. Where repeats pass the same places -2 log likelihood jumps by tens from one spacing to
+    /// another a few percent finer; models whose noise differs little are on one grid this way, and the likelihood is smooth in their sizes.
     pub fn node_spacing(&self) -> f64 {
         let finer = if self.plate > self.private {
             (self.plate / self.private).min(FINEST)
         } else {
             1.0
         };
-        self.plate_length() / (NODES_PER_LENGTH * finer)
+        let coarsest = self.plate_length() / (NODES_PER_LENGTH * finer);
+        coarsest.log2().floor().exp2()
     }
 }
 
