@@ -3,21 +3,16 @@
 //! Sizes are multiples of the size that a test which knows the cause would find in 90 % of cases (see
 //! `whole_program::hidden::oracle`). The finder gets the written package and nothing else.
 
-use std::sync::Mutex;
-
 use diagnosis::Options;
 use planting::{Case, NoiseKind, Protocol};
 use serde_json::Value;
 use whole_program::hidden::ask::ask;
-use whole_program::hidden::carry_out::Workshop;
+use whole_program::hidden::carry_out::{Workshop, side_by_side};
 use whole_program::hidden::judge::{Judgement, Verdict};
 use whole_program::hidden::selection::{Group, Trial};
 
 /// Seeds of these tests: apart from those of the benchmark.
 const SEED: u64 = 4_000_000;
-
-/// The diagnosis uses all cores itself: one case after another, whatever the number of test threads.
-static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
 fn trial(group: Group, case: Case, ratio: f64, without: Option<&str>) -> Trial {
     Trial {
@@ -41,41 +36,36 @@ fn complaints(trials: &[Trial], accepted: &[Verdict]) -> Vec<String> {
 
 /// Carries trials out; the judgement (none: the law absorbs what was planted) and a line for each.
 fn judgements(trials: &[Trial]) -> Vec<(Option<Judgement>, String)> {
-    let _guard = ONE_AT_A_TIME
-        .lock()
-        .unwrap_or_else(std::sync::PoisonError::into_inner);
-    let mut workshop = Workshop::default();
-    let mut judgements = Vec::new();
-    for trial in trials {
-        let what: Vec<&str> = trial
-            .case
-            .planted
-            .iter()
-            .map(|planted| planted.id.as_str())
-            .collect();
-        let (judged, _) = workshop
-            .carry_out(trial, true)
-            .expect("the package is a campaign");
-        let Some(judgement) = judged.judgement else {
-            let line = format!(
-                "{what:?}: the law absorbs it on {}",
-                trial.case.protocol.id()
-            );
-            judgements.push((None, line));
-            continue;
-        };
-        let line = format!(
-            "{what:?} on {}: {:?}, {} {:?} (the protocol forces {:?})",
-            trial.case.protocol.id(),
-            judgement.verdict,
-            judgement.status,
-            judgement.named,
-            judged.forced
-        );
-        println!("{line}");
-        judgements.push((Some(judgement), line));
-    }
+    let workshop = Workshop::default();
+    let mut judgements: Vec<(Option<Judgement>, String)> =
+        vec![(None, String::new()); trials.len()];
+    side_by_side(
+        trials,
+        |trial| judgement(&workshop, trial),
+        || false,
+        |place, one| {
+            println!("{}", one.1);
+            judgements[place] = one;
+        },
+    );
     judgements
+}
+
+fn judgement(workshop: &Workshop, trial: &Trial) -> (Option<Judgement>, String) {
+    let planted = trial.case.planted.iter();
+    let what: Vec<&str> = planted.map(|planted| planted.id.as_str()).collect();
+    let protocol = trial.case.protocol.id();
+    let (judged, _) = workshop
+        .carry_out(trial, true)
+        .expect("the package is a campaign");
+    let line = match &judged.judgement {
+        None => format!("{what:?}: the law absorbs it on {protocol}"),
+        Some(judgement) => format!(
+            "{what:?} on {protocol}: {:?}, {} {:?} (the protocol forces {:?})",
+            judgement.verdict, judgement.status, judgement.named, judged.forced
+        ),
+    };
+    (judged.judgement, line)
 }
 
 fn assert_none(complaints: &[String]) {
@@ -230,16 +220,15 @@ fn second_forms_are_named_like_the_first() {
 /// tread's edge miss most.
 #[test]
 fn the_width_of_play_lies_inside_its_interval() {
-    let _guard = ONE_AT_A_TIME
-        .lock()
-        .unwrap_or_else(std::sync::PoisonError::into_inner);
-    let mut workshop = Workshop::default();
-    let mut outside = Vec::new();
-    for (ratio, seed) in [2.5, 5.0, 10.0, 10.0].into_iter().zip(SEED + 270..) {
+    let ratios = [2.5, 5.0, 10.0, 10.0];
+    let play = |(ratio, seed): (f64, u64)| {
         let case = Case::one("backlash", 1.0, Protocol::Rich, seed).of_specimen(SEED);
-        let trial = trial(Group::Single, case, ratio, None);
-        let (judged, _) = workshop.carry_out(&trial, true).expect("a campaign");
-        let intervals = judged.judgement.expect("not absorbed").intervals;
+        trial(Group::Single, case, ratio, None)
+    };
+    let trials: Vec<Trial> = ratios.into_iter().zip(SEED + 270..).map(play).collect();
+    let mut outside = Vec::new();
+    for ((judgement, _), ratio) in judgements(&trials).into_iter().zip(ratios) {
+        let intervals = judgement.expect("not absorbed").intervals;
         assert_eq!(intervals.len(), 1, "at {ratio} thresholds play is named");
         println!("at {ratio}: {:?}", intervals[0]);
         if intervals[0].inside != Some(true) {
@@ -252,9 +241,6 @@ fn the_width_of_play_lies_inside_its_interval() {
 /// Behind a slow channel roughness looks smoother and longer than it is; with the filter taken out it has its size and length again.
 #[test]
 fn roughness_behind_a_slow_channel_keeps_its_size() {
-    let _guard = ONE_AT_A_TIME
-        .lock()
-        .unwrap_or_else(std::sync::PoisonError::into_inner);
     let case =
         Case::one("sensor-lag", 1.0, Protocol::PaperAlternating, SEED + 280).of_specimen(SEED);
     let (_, _, planted) = case.set_up().expect("a case of the catalogue");
@@ -315,9 +301,6 @@ fn a_coarse_channel_leaves_nothing_unexplained() {
 /// the unseen runs do not speak against them; a healthy campaign has none.
 #[test]
 fn what_only_shifts_the_law_is_a_cause_against_a_model_from_elsewhere() {
-    let _guard = ONE_AT_A_TIME
-        .lock()
-        .unwrap_or_else(std::sync::PoisonError::into_inner);
     let healthy = |seed: u64| {
         Case::nothing(Protocol::PaperBlocked, NoiseKind::Usual, seed)
             .of_specimen(SEED)
@@ -402,9 +385,6 @@ fn a_cause_taken_out_of_the_catalogue_is_refused() {
 /// stage goes further than the recorded speeds say; without that column the two are a set.
 #[test]
 fn a_recorded_position_tells_a_slow_velocity_from_a_late_force() {
-    let _guard = ONE_AT_A_TIME
-        .lock()
-        .unwrap_or_else(std::sync::PoisonError::into_inner);
     let case = Case::one("velocity-lag", 0.015, Protocol::RichTurned, SEED + 290).of_specimen(SEED);
     let files = case.carry_out().expect("a known cause").files;
     let options = Options {
@@ -506,9 +486,6 @@ fn nameless(answer: &Value) -> Value {
 /// Names, the order of resources and extra metadata change no digit of an answer.
 #[test]
 fn renaming_and_permuting_change_no_answer() {
-    let _guard = ONE_AT_A_TIME
-        .lock()
-        .unwrap_or_else(std::sync::PoisonError::into_inner);
     for case in [
         Case::one("wear", 1.0, Protocol::PaperAlternating, SEED + 500),
         Case::nothing(Protocol::PaperBlocked, NoiseKind::Usual, SEED + 501),

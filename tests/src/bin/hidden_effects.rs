@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use whole_program::hidden::carry_out::Workshop;
+use whole_program::hidden::carry_out::{Workshop, side_by_side};
 use whole_program::hidden::judge::Verdict;
 use whole_program::hidden::selection::{Season, Trial, trials};
 use whole_program::hidden::tally::{Judged, table};
@@ -157,40 +157,57 @@ fn carry_out(
     if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} {eta} {msg}") {
         bar.set_style(style);
     }
-    let mut workshop = Workshop::default();
+    let workshop = Workshop::default();
     let begun = Instant::now();
-    for trial in wanted {
-        if begun.elapsed().as_secs_f64() > 60.0 * request.minutes {
-            eprintln!("time is up; the next call goes on from here");
-            break;
-        }
-        bar.set_message(trial.id.clone());
-        match workshop.carry_out(trial, !request.gain) {
-            Ok((one, answer)) => {
-                keep_answer(kept, &one, &answer)?;
-                let line = serde_json::to_string(&one).map_err(|error| error.to_string())?;
-                writeln!(file, "{line}").map_err(|error| error.to_string())?;
-                if let Some(judgement) = &one.judgement {
-                    let forced = one.forced.join("|");
-                    bar.suspend(|| {
-                        println!(
-                            "{:?} {} -> {} {:?} (forced {forced}, distance {:.1})",
-                            judgement.verdict,
-                            one.trial.id,
-                            judgement.status,
-                            judgement.named,
-                            one.distance
-                        );
-                    });
+    let enough = || begun.elapsed().as_secs_f64() > 60.0 * request.minutes;
+    let mut stopped = Ok(());
+    side_by_side(
+        wanted,
+        |trial| workshop.carry_out(trial, !request.gain),
+        enough,
+        |place, outcome| {
+            bar.inc(1);
+            match outcome {
+                Ok((one, answer)) => {
+                    let written = keep(kept, &mut file, &one, &answer);
+                    if stopped.is_ok() {
+                        stopped = written;
+                    }
+                    bar.suspend(|| say(&one));
+                    judged.push(one);
                 }
-                judged.push(one);
+                Err(error) => bar.suspend(|| eprintln!("{}: {error}", wanted[place].id)),
             }
-            Err(error) => bar.suspend(|| eprintln!("{}: {error}", trial.id)),
-        }
-        bar.inc(1);
-    }
+        },
+    );
     bar.finish_and_clear();
-    Ok(())
+    if enough() {
+        eprintln!("time is up; the next call goes on from here");
+    }
+    stopped
+}
+
+/// Keeps a judgement, one line each.
+fn keep(
+    kept: &Path,
+    file: &mut File,
+    one: &Judged,
+    answer: &serde_json::Value,
+) -> Result<(), String> {
+    keep_answer(kept, one, answer)?;
+    let line = serde_json::to_string(one).map_err(|error| error.to_string())?;
+    writeln!(file, "{line}").map_err(|error| error.to_string())
+}
+
+/// Says how a trial was judged; nothing where the law absorbs what was planted.
+fn say(one: &Judged) {
+    if let Some(judgement) = &one.judgement {
+        let (id, forced) = (&one.trial.id, one.forced.join("|"));
+        println!(
+            "{:?} {id} -> {} {:?} (forced {forced}, distance {:.1})",
+            judgement.verdict, judgement.status, judgement.named, one.distance
+        );
+    }
 }
 
 /// Keeps answers that were not right, for whoever wants to know why.
@@ -218,7 +235,7 @@ fn matches(request: &Request, trial: &Trial) -> bool {
 
 /// Writes packages, the keys apart from them.
 fn export(request: &Request, folder: &Path) -> Result<(), String> {
-    let mut workshop = Workshop::default();
+    let workshop = Workshop::default();
     let chosen = trials(request.season)
         .into_iter()
         .filter(|trial| matches(request, trial))

@@ -1,6 +1,9 @@
 //! Carries trials out: sizes from the oracle, package, answer, judgement.
 
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError, mpsc};
+use std::thread;
 
 use diagnosis::Options;
 use planting::{Base, Planted, Protocol};
@@ -21,69 +24,76 @@ struct View {
     thresholds: BTreeMap<(String, bool), Option<f64>>,
 }
 
-/// Carries trials out, remembering oracles.
-#[derive(Default)]
-pub struct Workshop {
-    views: BTreeMap<(Protocol, u64, String), View>,
-}
-
-impl Workshop {
-    fn view(&mut self, trial: &Trial) -> Result<&mut View, String> {
-        let case = &trial.case;
-        let key = (case.protocol, case.specimen, format!("{:?}", case.base));
-        if !self.views.contains_key(&key) {
-            let oracle = Oracle::new(case)?;
-            let rivals = oracle.rivals()?;
-            self.views.insert(
-                key.clone(),
-                View {
-                    oracle,
-                    rivals,
-                    thresholds: BTreeMap::new(),
-                },
-            );
-        }
-        self.views
-            .get_mut(&key)
-            .ok_or_else(|| "no view".to_string())
-    }
-
-    /// Sets the sizes of a trial in thresholds of its own oracle. `None` where the law absorbs what is planted.
-    ///
-    /// # Errors
-    /// If something unknown is to be planted.
-    pub fn sized(&mut self, trial: &Trial) -> Result<Option<Trial>, String> {
+impl View {
+    fn sized(&mut self, trial: &Trial) -> Result<Option<Trial>, String> {
         let mut sized = trial.clone();
-        if trial.case.planted.is_empty() {
-            return Ok(Some(sized));
-        }
         let (base, protocol) = (trial.case.base, trial.case.protocol);
-        let ratio = trial.ratio;
-        let view = self.view(trial)?;
         for planted in &mut sized.case.planted {
             if always_absorbed(planted, base, protocol) {
                 return Ok(None);
             }
             let key = (planted.id.clone(), planted.second_shape);
-            let threshold = match view.thresholds.get(&key) {
+            let threshold = match self.thresholds.get(&key) {
                 Some(known) => *known,
                 None => {
                     let found =
-                        view.oracle
+                        self.oracle
                             .threshold(&planted.id, planted.second_shape, LARGEST_SIZE)?;
-                    view.thresholds.insert(key, found);
+                    self.thresholds.insert(key, found);
                     found
                 }
             };
             let Some(threshold) = threshold else {
                 return Ok(None);
             };
-            planted.size = ratio * threshold;
+            planted.size = trial.ratio * threshold;
             if planted.size > LARGEST_SIZE {
                 return Ok(None);
             }
         }
         Ok(Some(sized))
+    }
+}
+
+/// Carries trials out, remembering oracles.
+#[derive(Default)]
+pub struct Workshop {
+    views: Mutex<BTreeMap<(Protocol, u64, String), View>>,
+}
+
+impl Workshop {
+    /// Asks the oracle of a trial's campaign, one trial at a time.
+    fn consult<R>(
+        &self,
+        trial: &Trial,
+        question: impl FnOnce(&mut View) -> Result<R, String>,
+    ) -> Result<R, String> {
+        let case = &trial.case;
+        let key = (case.protocol, case.specimen, format!("{:?}", case.base));
+        let mut views = self.views.lock().unwrap_or_else(PoisonError::into_inner);
+        if !views.contains_key(&key) {
+            let oracle = Oracle::new(case)?;
+            let rivals = oracle.rivals()?;
+            let view = View {
+                oracle,
+                rivals,
+                thresholds: BTreeMap::new(),
+            };
+            views.insert(key.clone(), view);
+        }
+        let view = views.get_mut(&key).ok_or_else(|| "no view".to_string())?;
+        question(view)
+    }
+
+    /// Sets the sizes of a trial in thresholds of its own oracle. `None` where the law absorbs what is planted.
+    ///
+    /// # Errors
+    /// If something unknown is to be planted.
+    pub fn sized(&self, trial: &Trial) -> Result<Option<Trial>, String> {
+        if trial.case.planted.is_empty() {
+            return Ok(Some(trial.clone()));
+        }
+        self.consult(trial, |view| view.sized(trial))
     }
 
     /// Carries a trial out; returns the judgement and the answer that was judged.
@@ -91,7 +101,7 @@ impl Workshop {
     /// # Errors
     /// What the door or the diagnosis refuses, in words.
     pub fn carry_out(
-        &mut self,
+        &self,
         trial: &Trial,
         quick: bool,
     ) -> Result<(Judged, serde_json::Value), String> {
@@ -107,8 +117,8 @@ impl Workshop {
         };
         let (mut forced, mut distance) = (Vec::new(), 0.0);
         if !sized.case.planted.is_empty() {
-            let view = self.view(&sized)?;
-            let sight = view.oracle.look(&sized.case.planted, &view.rivals)?;
+            let look = |view: &mut View| view.oracle.look(&sized.case.planted, &view.rivals);
+            let sight = self.consult(&sized, look)?;
             (forced, distance) = (sight.forced, sight.distance);
         }
         let outcome = sized.case.carry_out()?;
@@ -131,8 +141,9 @@ impl Workshop {
         let true_gain = if judgement.named.is_empty() {
             None
         } else {
-            let oracle = &self.view(&sized)?.oracle;
-            true_gain(oracle, &sized.case, &outcome, &answer.curves).ok()
+            let gain =
+                |view: &mut View| true_gain(&view.oracle, &sized.case, &outcome, &answer.curves);
+            self.consult(&sized, gain).ok()
         };
         let judged = Judged {
             trial: sized,
@@ -155,4 +166,38 @@ fn always_absorbed(planted: &Planted, base: Base, protocol: Protocol) -> bool {
         "force-gain" => matches!(base, Base::AsymmetricBristle | Base::SymmetricBristle),
         _ => false,
     }
+}
+
+/// Carries trials out side by side, as many as there are processors (a diagnosis has stretches that use one only). What comes of each is handed over
+/// as it ends, with its place among the trials; none is begun once `enough` says so.
+pub fn side_by_side<R: Send>(
+    trials: &[Trial],
+    work: impl Fn(&Trial) -> R + Sync,
+    enough: impl Fn() -> bool + Sync,
+    mut ended: impl FnMut(usize, R),
+) {
+    let workers = thread::available_parallelism().map_or(1, usize::from);
+    let next = AtomicUsize::new(0);
+    let (sender, results) = mpsc::channel();
+    thread::scope(|scope| {
+        for _ in 0..workers {
+            let (sender, next, work, enough) = (sender.clone(), &next, &work, &enough);
+            scope.spawn(move || {
+                while !enough() {
+                    let place = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(trial) = trials.get(place) else {
+                        break;
+                    };
+                    // Nobody listens once the caller has gone, by a panic of its own.
+                    if sender.send((place, work(trial))).is_err() {
+                        break;
+                    }
+                }
+            });
+        }
+        drop(sender);
+        results
+            .iter()
+            .for_each(|(place, result)| ended(place, result));
+    });
 }
