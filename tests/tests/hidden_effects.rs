@@ -297,6 +297,13 @@ fn a_coarse_channel_leaves_nothing_unexplained() {
     assert_none(&complaints(&trials, &[Verdict::Right]));
 }
 
+/// Without a recorded load an oscillation of it has no name, and is no noise either.
+#[test]
+fn an_oscillation_of_a_load_that_nobody_recorded_is_unexplained() {
+    let trials = singles(&["load-oscillation"], Protocol::Drive, 5.0);
+    assert_none(&complaints(&trials, &[Verdict::Refused]));
+}
+
 /// With the law's parameters known from elsewhere a specimen that leans otherwise is a cause, as is a force channel that reads too much, and
 /// the unseen runs do not speak against them; a healthy campaign has none.
 #[test]

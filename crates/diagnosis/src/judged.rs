@@ -112,8 +112,14 @@ impl Judged<'_> {
     fn share_above_floor(&self, before: &Errors, after: &Errors) -> Option<(f64, Option<f64>)> {
         let floor = before.count() * self.floor_rmse.powi(2);
         let explainable = before.total() - floor;
-        // What the extension leaves is the noise that was drawn, and little else.
-        let unknown = (after.total() - floor).abs().min(self.beside_floor);
+        // What the extension leaves is the noise that was drawn, and little else. Less than the floor it cannot leave but where that is too high, as
+        // that of repeats that differ by what was found.
+        let left = after.total() - floor;
+        let unknown = if left < 0.0 {
+            -left
+        } else {
+            left.min(self.beside_floor)
+        };
         if !(explainable > 0.0 && unknown < KNOWN_TO * explainable) {
             return None;
         }
@@ -154,6 +160,21 @@ mod tests {
             runs: runs.iter().map(|&square| (square, 100.0)).collect(),
             weighed: Vec::new(),
         }
+    }
+
+    /// Repeats that differ by what was found (wear, in blocked order) make a floor above what the extension leaves: of it no share is stated.
+    #[test]
+    fn a_floor_above_what_is_left_states_no_share() {
+        let judged = Judged {
+            placebo: Vec::new(),
+            floor_rmse: 0.1,
+            beside_floor: 0.0,
+            weighed: None,
+        };
+        let before = errors(&[3.0, 3.0, 3.0]);
+        let share = |left: f64| judged.gain(&before, &errors(&[left; 3])).explained_fraction;
+        assert_eq!(share(0.5), None);
+        assert!(share(1.0).is_some_and(|share| (share - 1.0).abs() < 1e-12));
     }
 
     /// A share that every run shows is known however large the error is in each; one that differs from run to run is not.

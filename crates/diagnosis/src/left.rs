@@ -1,5 +1,5 @@
 //! What is left beside a fitted model, whatever it is: smooth structure over the plate, speed, time, load or the force's slope,
-//! short bursts, marks on the plate, gains that some runs share, shifts of level within a run. The searches pay for one another by Bonferroni's bound.
+//! short bursts, marks on the plate, gains that some runs share, shifts of level within a run, a line in time where no cause may be one. The searches pay for one another by Bonferroni's bound.
 
 use nalgebra::DMatrix;
 
@@ -7,6 +7,7 @@ use crate::answer::Place;
 use crate::bench::Bench;
 use crate::bursts::bursts;
 use crate::general::{self, Lack};
+use crate::lines::line_in_time;
 use crate::marks::{self, Mark};
 use crate::patterns::patterns;
 use crate::selection::ALPHA_GENERAL;
@@ -46,14 +47,18 @@ pub(crate) fn lack(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Lack {
         lack
     };
     let mark = paid(mark, SMALL_SHARE);
-    let half = 0.5 - 1.5 * SMALL_SHARE;
+    let line = line_in_time(bench, subset, stand, &samples, &scale);
+    let small = if line.is_some() { 4.0 } else { 3.0 };
+    let half = 0.5 - 0.5 * small * SMALL_SHARE;
     let mut best = mark.clone();
-    for other in [
+    let others = [
         paid(smooth, half),
         paid(burst, half),
         paid(pattern, SMALL_SHARE),
         paid(shift, SMALL_SHARE),
-    ] {
+    ];
+    let line = line.map(|line| paid(line, SMALL_SHARE));
+    for other in others.into_iter().chain(line) {
         if other.log_p < best.log_p {
             best = other;
         }

@@ -39,6 +39,7 @@ mod lateness;
 mod law_fit;
 mod laws;
 mod left;
+mod lines;
 mod look_back;
 mod marks;
 mod patterns;

@@ -15,7 +15,7 @@ use crate::subset::Subset;
 #[derive(Clone, Copy)]
 pub(crate) struct Line {
     pub(crate) frequency: f64,
-    background: f64,
+    pub(crate) background: f64,
 }
 
 /// The lines at which a periodic cause is looked at, and the path length of the search.
@@ -32,11 +32,11 @@ pub(crate) struct Peaks {
 
 /// Lines of a cause that are looked at closely: of a factor on friction, which the search sees as it is, and of a ripple of the
 /// speed, whose envelope is that of the middle of an octave.
-const MOST_LINES: usize = 5;
+pub(crate) const MOST_LINES: usize = 5;
 const MOST_LINES_OF_SPEED: usize = 8;
 /// Half cycles over the longest stretch below which a frequency is slow: 8 periods over the longest stretch, which the law absorbs in part; for a ripple of the
 /// speed 32, because what it does in the moments after a start tells one phase only.
-const SLOW: f64 = 16.0;
+pub(crate) const SLOW: f64 = 16.0;
 const SLOW_OF_SPEED: f64 = 64.0;
 /// Runs are put together in between the frequencies at which each is looked at where all places span so many times the longest stretch.
 const FURTHER: f64 = 1.2;
@@ -70,18 +70,8 @@ impl Peaks {
             return Self::none();
         }
         let samples = subset.samples(bench);
-        let solved = stand.ground.solved_residual(scatter);
-        let free = stand.ground.project_vector(&solved);
-        let g = stand
-            .whitener
-            .whiten_transposed(&free.rows(0, subset.len()).into_owned());
-        let information = |columns: &DMatrix<f64>| -> Vec<Information> {
-            let a = (stand.ground).information(&stand.whiten_own(columns), scatter);
-            let pairs = (0..columns.ncols()).step_by(2);
-            pairs
-                .map(|k| Information([a[(k, k)], a[(k, k + 1)], a[(k + 1, k + 1)]]))
-                .collect()
-        };
+        let g = solved_back(subset, stand, scatter);
+        let information = |columns: &DMatrix<f64>| information(stand, scatter, columns);
         let found = causes
             .iter()
             .filter_map(|&cause| {
@@ -168,11 +158,32 @@ impl Peaks {
     }
 }
 
+/// g of [`crate::periodic`]: W'(projection)V^-1 y.
+pub(crate) fn solved_back(subset: &Subset, stand: &Stand, scatter: f64) -> DVector<f64> {
+    let solved = stand.ground.solved_residual(scatter);
+    let free = stand.ground.project_vector(&solved);
+    let own = free.rows(0, subset.len()).into_owned();
+    stand.whitener.whiten_transposed(&own)
+}
+
+/// A of [`crate::periodic`] for each pair of columns.
+pub(crate) fn information(stand: &Stand, scatter: f64, columns: &DMatrix<f64>) -> Vec<Information> {
+    let a = (stand.ground).information(&stand.whiten_own(columns), scatter);
+    let pairs = (0..columns.ncols()).step_by(2);
+    pairs
+        .map(|k| Information([a[(k, k)], a[(k, k + 1)], a[(k + 1, k + 1)]]))
+        .collect()
+}
+
+/// Whether a cause has a period in time.
+pub(crate) fn in_time(bench: &Bench<'_>, cause: usize) -> bool {
+    period(bench, cause).is_some_and(|p| p.1)
+}
+
 /// The longest stretch of one run that a periodic cause passes, m or s.
 fn stretch(bench: &Bench<'_>, cause: usize) -> f64 {
     let samples = &bench.samples;
-    let in_time = period(bench, cause).is_some_and(|p| p.1);
-    let coordinate = if in_time {
+    let coordinate = if in_time(bench, cause) {
         &samples.time
     } else {
         &samples.place
@@ -232,7 +243,11 @@ fn families<'a>(
 }
 
 /// The highest lines that stand apart. Peaks are sharpened from the highest on, until no other one can rise among them.
-fn highest(mut peaks: Vec<(&Family<'_>, Peak)>, g: &DVector<f64>, most: usize) -> Vec<Line> {
+pub(crate) fn highest(
+    mut peaks: Vec<(&Family<'_>, Peak)>,
+    g: &DVector<f64>,
+    most: usize,
+) -> Vec<Line> {
     peaks.sort_by(|a, b| b.1.height().total_cmp(&a.1.height()));
     let mut sharp: Vec<(f64, Peak)> = Vec::new();
     let mut taken: Vec<Peak> = Vec::new();
@@ -269,7 +284,7 @@ fn extent(x: &[f64]) -> f64 {
 }
 
 /// Longest stretch of a coordinate in one run.
-fn longest(samples: &Samples, x: &[f64]) -> f64 {
+pub(crate) fn longest(samples: &Samples, x: &[f64]) -> f64 {
     samples
         .runs
         .iter()
@@ -285,7 +300,7 @@ fn longest(samples: &Samples, x: &[f64]) -> f64 {
 }
 
 /// The step of a coordinate from sample to sample that half of them do not exceed.
-fn middling_step(samples: &Samples, x: &[f64]) -> f64 {
+pub(crate) fn middling_step(samples: &Samples, x: &[f64]) -> f64 {
     let mut steps: Vec<f64> = samples
         .runs
         .iter()
