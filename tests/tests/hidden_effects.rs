@@ -3,6 +3,8 @@
 //! Sizes are multiples of the size that a test which knows the cause would find in 90 % of cases (see
 //! `whole_program::hidden::oracle`). The finder gets the written package and nothing else.
 
+use std::convert::Infallible;
+
 use diagnosis::Options;
 use planting::{Case, NoiseKind, Protocol};
 use serde_json::Value;
@@ -39,13 +41,14 @@ fn judgements(trials: &[Trial]) -> Vec<(Option<Judgement>, String)> {
     let workshop = Workshop::default();
     let mut judgements: Vec<(Option<Judgement>, String)> =
         vec![(None, String::new()); trials.len()];
-    side_by_side(
+    let Ok(()) = side_by_side::<_, Infallible>(
         trials,
         |trial| judgement(&workshop, trial),
         || false,
         |place, one| {
             println!("{}", one.1);
             judgements[place] = one;
+            Ok(())
         },
     );
     judgements

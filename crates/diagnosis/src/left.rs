@@ -15,8 +15,9 @@ use crate::shifts::shifts;
 use crate::stand::Stand;
 use crate::subset::Subset;
 
-/// Of it, the share that the search for marks on the plate may spend, that for gains that some runs share, and that for shifts within a run: a
-/// mark that matters is far beyond the roughness, such a gain far beyond the scatter, and such a shift far beyond what other runs do.
+/// Of it, the share that the search for marks on the plate may spend, that for gains that some runs share, that for shifts within a run, and that for
+/// a line in time: a mark that matters is far beyond the roughness, such a gain far beyond the scatter, such a shift far beyond what other runs do, and
+/// such a line is in all of them.
 const SMALL_SHARE: f64 = 0.05;
 
 /// The general lack-of-fit test beside a stand.
@@ -48,17 +49,17 @@ pub(crate) fn lack(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Lack {
     };
     let mark = paid(mark, SMALL_SHARE);
     let line = line_in_time(bench, subset, stand, &samples, &scale);
-    let small = if line.is_some() { 4.0 } else { 3.0 };
-    let half = 0.5 - 0.5 * small * SMALL_SHARE;
+    let small: Vec<Lack> = [Some(pattern), Some(shift), line]
+        .into_iter()
+        .flatten()
+        .map(|lack| paid(lack, SMALL_SHARE))
+        .collect();
+    let half = 0.5 - 0.5 * (1 + small.len()) as f64 * SMALL_SHARE;
     let mut best = mark.clone();
-    let others = [
-        paid(smooth, half),
-        paid(burst, half),
-        paid(pattern, SMALL_SHARE),
-        paid(shift, SMALL_SHARE),
-    ];
-    let line = line.map(|line| paid(line, SMALL_SHARE));
-    for other in others.into_iter().chain(line) {
+    for other in [paid(smooth, half), paid(burst, half)]
+        .into_iter()
+        .chain(small)
+    {
         if other.log_p < best.log_p {
             best = other;
         }

@@ -6,13 +6,10 @@
 
 use nalgebra::DMatrix;
 
-use crate::answer::Place;
 use crate::bench::Bench;
 use crate::general::Lack;
 use crate::ground::look_elsewhere;
-use crate::peaks::{
-    MOST_LINES, SLOW, highest, in_time, information, longest, middling_step, solved_back,
-};
+use crate::peaks::{MOST_LINES, SLOW, highest, in_time, information, solved_back, span_and_band};
 use crate::periodic::Family;
 use crate::samples::Samples;
 use crate::stand::Stand;
@@ -28,19 +25,16 @@ pub(crate) fn line_in_time(
 ) -> Option<Lack> {
     let named = (0..bench.catalogue.len())
         .any(|cause| bench.catalogue[cause].is_periodic() && in_time(bench, cause));
-    let (span, step) = (
-        longest(samples, &samples.time),
-        middling_step(samples, &samples.time),
-    );
-    if named || !(span > 0.0 && step > 0.0) {
+    if named {
         return None;
     }
+    let (span, band) = span_and_band(samples, &samples.time)?;
     let spacing = 0.5 / span;
     let family = Family {
         coordinate: &samples.time,
         along: scale.to_vec(),
         across: vec![0.0; scale.len()],
-        band: (2.0 / span, 0.45 / step),
+        band,
         spacing,
         slow: SLOW * spacing,
         comb: None,
@@ -53,15 +47,10 @@ pub(crate) fn line_in_time(
     let line = lines.first()?;
     let white = stand.whiten_own(&family.columns(line.frequency));
     let score = (stand.ground.score(&stand.ground.direction(&white)?)).over(line.background);
+    let runs: Vec<usize> = (0..samples.runs.len()).collect();
     Some(Lack {
         log_p: look_elsewhere(&score, family.path()),
-        place: Some(Place {
-            axis: "time".into(),
-            from: 0.0,
-            to: samples.time.iter().copied().fold(0.0, f64::max),
-            unit: "s".into(),
-            runs: bench.run_names(subset),
-        }),
+        place: Some(samples.place_of_runs(&runs, &bench.run_names(subset))),
         excess: (score.statistic - score.columns as f64).max(0.0),
     })
 }

@@ -207,16 +207,7 @@ fn families<'a>(
         (true, false) => &samples.time,
         (false, _) => &samples.place,
     };
-    let (span, step) = (
-        longest(samples, coordinate),
-        middling_step(samples, coordinate),
-    );
-    if !(span > 0.0) || !(step > 0.0) {
-        return None;
-    }
-    // Lines closer than two samples of a fast motion are aliases of slow ones there: half of the samples must tell them apart. Slower
-    // ones than two in a run are no period.
-    let band = (2.0 / span, 0.45 / step);
+    let (span, band) = span_and_band(samples, coordinate)?;
     let slow = match bench.catalogue[cause].reach() {
         Reach::Stage => SLOW_OF_SPEED,
         _ => SLOW,
@@ -240,6 +231,17 @@ fn families<'a>(
             })
         })
         .collect()
+}
+
+/// The longest stretch of a coordinate in one run, and the frequencies that runs over it tell; `None` where nothing passes by.
+pub(crate) fn span_and_band(samples: &Samples, coordinate: &[f64]) -> Option<(f64, (f64, f64))> {
+    let (span, step) = (
+        longest(samples, coordinate),
+        middling_step(samples, coordinate),
+    );
+    // Lines closer than two samples of a fast motion are aliases of slow ones there: half of the samples must tell them apart. Slower
+    // ones than two in a run are no period.
+    (span > 0.0 && step > 0.0).then(|| (span, (2.0 / span, 0.45 / step)))
 }
 
 /// The highest lines that stand apart. Peaks are sharpened from the highest on, until no other one can rise among them.
@@ -284,7 +286,7 @@ fn extent(x: &[f64]) -> f64 {
 }
 
 /// Longest stretch of a coordinate in one run.
-pub(crate) fn longest(samples: &Samples, x: &[f64]) -> f64 {
+fn longest(samples: &Samples, x: &[f64]) -> f64 {
     samples
         .runs
         .iter()
@@ -300,7 +302,7 @@ pub(crate) fn longest(samples: &Samples, x: &[f64]) -> f64 {
 }
 
 /// The step of a coordinate from sample to sample that half of them do not exceed.
-pub(crate) fn middling_step(samples: &Samples, x: &[f64]) -> f64 {
+fn middling_step(samples: &Samples, x: &[f64]) -> f64 {
     let mut steps: Vec<f64> = samples
         .runs
         .iter()

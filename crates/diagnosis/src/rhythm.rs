@@ -35,6 +35,8 @@ pub(crate) struct Stretch {
     start: usize,
     /// Place in the run, in half stretches.
     slot: usize,
+    /// Distance slid in it.
+    slid: f64,
     pub(crate) powers: Vec<f64>,
 }
 
@@ -70,21 +72,20 @@ pub(crate) fn stretches(
 ) -> Vec<Stretch> {
     let waves = waves(between);
     let mut out = Vec::new();
-    let mut slid = Vec::new();
     for (run, range) in runs.iter().enumerate() {
         let last = range.end.saturating_sub(WINDOW - 1);
         for (slot, start) in (range.start..last).step_by(WINDOW / 2).enumerate() {
             let powers = periodogram(&y.as_slice()[start..start + WINDOW], &waves);
-            slid.push(sliding[start + WINDOW - 1] - sliding[start]);
             out.push(Stretch {
                 run,
                 start,
                 slot,
+                slid: sliding[start + WINDOW - 1] - sliding[start],
                 powers,
             });
         }
     }
-    let of_wavelengths = background_of_wavelengths(&out, &slid, between);
+    let of_wavelengths = background_of_wavelengths(&out, between);
     for f in 0..waves.len() {
         let own = out.iter().map(|s| s.powers[f]).collect();
         let background = background(own);
@@ -102,19 +103,19 @@ fn background(mut powers: Vec<f64>) -> f64 {
     median.map_or(1.0, |m| (m / MEDIAN).max(1.0))
 }
 
-/// For each stretch and frequency the background of its wavelength, `slid` over turns, among all that are as long to a fifth.
-fn background_of_wavelengths(stretches: &[Stretch], slid: &[f64], between: usize) -> Vec<Vec<f64>> {
+/// For each stretch and frequency the background of its wavelength, the distance slid over the turns, among all that are as long to a fifth.
+fn background_of_wavelengths(stretches: &[Stretch], between: usize) -> Vec<Vec<f64>> {
     const FIFTH: f64 = 0.2;
     /// Of fewer stretches the median may be one stretch's rhythm.
     const FEWEST: usize = 8;
-    let class = |slid: f64, f: usize| {
+    let class = |stretch: &Stretch, f: usize| {
         let turns = (SLOWEST * between + f) as f64 / between as f64;
-        (slid > 0.0).then(|| ((slid / turns).ln() / FIFTH).floor() as i64)
+        (stretch.slid > 0.0).then(|| ((stretch.slid / turns).ln() / FIFTH).floor() as i64)
     };
     let mut classes: BTreeMap<i64, (Vec<f64>, BTreeSet<usize>)> = BTreeMap::new();
-    for (k, (stretch, slid)) in stretches.iter().zip(slid).enumerate() {
+    for (k, stretch) in stretches.iter().enumerate() {
         for (f, power) in stretch.powers.iter().enumerate() {
-            if let Some(class) = class(*slid, f) {
+            if let Some(class) = class(stretch, f) {
                 let (powers, from) = classes.entry(class).or_default();
                 powers.push(*power);
                 from.insert(k);
@@ -126,14 +127,13 @@ fn background_of_wavelengths(stretches: &[Stretch], slid: &[f64], between: usize
         .filter(|(_, (_, from))| from.len() >= FEWEST)
         .map(|(class, (powers, _))| (class, background(powers)))
         .collect();
-    let of = |slid: f64, f: usize| class(slid, f).and_then(|c| of_class.get(&c).copied());
-    let each = stretches.iter().zip(slid);
-    each.map(|(s, slid)| {
-        (0..s.powers.len())
-            .map(|f| of(*slid, f).unwrap_or(1.0))
-            .collect()
-    })
-    .collect()
+    let of = |stretch: &Stretch, f: usize| {
+        let known = class(stretch, f).and_then(|class| of_class.get(&class).copied());
+        known.unwrap_or(1.0)
+    };
+    let each = stretches.iter();
+    each.map(|s| (0..s.powers.len()).map(|f| of(s, f)).collect())
+        .collect()
 }
 
 fn alone(stretches: &[Stretch], samples: &Samples, names: &[String]) -> Lack {

@@ -160,8 +160,7 @@ fn carry_out(
     let workshop = Workshop::default();
     let begun = Instant::now();
     let enough = || begun.elapsed().as_secs_f64() > 60.0 * request.minutes;
-    let mut stopped = Ok(());
-    side_by_side(
+    let stopped = side_by_side(
         wanted,
         |trial| workshop.carry_out(trial, !request.gain),
         enough,
@@ -169,19 +168,18 @@ fn carry_out(
             bar.inc(1);
             match outcome {
                 Ok((one, answer)) => {
-                    let written = keep(kept, &mut file, &one, &answer);
-                    if stopped.is_ok() {
-                        stopped = written;
-                    }
+                    keep(kept, &mut file, &one, &answer)?;
                     bar.suspend(|| say(&one));
                     judged.push(one);
                 }
                 Err(error) => bar.suspend(|| eprintln!("{}: {error}", wanted[place].id)),
             }
+            Ok(())
         },
     );
+    let left = bar.position() < wanted.len() as u64;
     bar.finish_and_clear();
-    if enough() {
+    if stopped.is_ok() && left {
         eprintln!("time is up; the next call goes on from here");
     }
     stopped

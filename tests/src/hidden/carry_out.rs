@@ -170,12 +170,15 @@ fn always_absorbed(planted: &Planted, base: Base, protocol: Protocol) -> bool {
 
 /// Carries trials out side by side, as many as there are processors (a diagnosis has stretches that use one only). What comes of each is handed over
 /// as it ends, with its place among the trials; none is begun once `enough` says so.
-pub fn side_by_side<R: Send>(
+///
+/// # Errors
+/// The first that `ended` returns; no further trial is begun then.
+pub fn side_by_side<R: Send, E>(
     trials: &[Trial],
     work: impl Fn(&Trial) -> R + Sync,
     enough: impl Fn() -> bool + Sync,
-    mut ended: impl FnMut(usize, R),
-) {
+    mut ended: impl FnMut(usize, R) -> Result<(), E>,
+) -> Result<(), E> {
     let workers = thread::available_parallelism().map_or(1, usize::from);
     let next = AtomicUsize::new(0);
     let (sender, results) = mpsc::channel();
@@ -188,7 +191,7 @@ pub fn side_by_side<R: Send>(
                     let Some(trial) = trials.get(place) else {
                         break;
                     };
-                    // Nobody listens once the caller has gone, by a panic of its own.
+                    // Nobody listens any more after an error.
                     if sender.send((place, work(trial))).is_err() {
                         break;
                     }
@@ -196,8 +199,10 @@ pub fn side_by_side<R: Send>(
             });
         }
         drop(sender);
-        results
+        let stopped = results
             .iter()
-            .for_each(|(place, result)| ended(place, result));
-    });
+            .try_for_each(|(place, result)| ended(place, result));
+        drop(results);
+        stopped
+    })
 }
