@@ -36,8 +36,8 @@ const OPENING: (usize, usize) = (200, 80);
 const STARTS: usize = 3;
 /// Starts tried at one problem before the next one has its turn.
 const AT_ONCE: usize = 1;
-/// Farthest strides that are starts as they are ([`Name::distance`]),
-const NEAR: f64 = 0.8;
+/// Farthest strides that are followed ([`Name::distance`]),
+const NEAR: f64 = 1.25;
 /// and those that hops start from.
 const FARTHEST: f64 = 1.2;
 /// Hops at one problem before the next one has its turn.
@@ -104,19 +104,17 @@ fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
 }
 
 /// The problem that has its turn while strides near one are news to it: the one that may soonest have its stride found by enough starts,
-/// weighed by how near its next start is.
+/// weighed by how near its next start is; those that enough have found come last.
 fn next(book: &Book, order: &[usize]) -> Option<usize> {
     let turns = order.iter().filter_map(|&place| {
         let left = book.entries[place].starts_left(STARTS);
         let distance = book.nearest(place).filter(|&d| d <= NEAR)?;
-        Some((
-            left.unwrap_or(STARTS as f64) * (FADING * distance).exp(),
-            place,
-        ))
+        let effort = left.unwrap_or(STARTS as f64) * (FADING * distance).exp();
+        Some((left.is_none(), effort, place))
     });
     turns
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, place)| place)
+        .min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)))
+        .map(|(_, _, place)| place)
 }
 
 /// The next problem without a stride to which no way from its neighbours was tried in this run.

@@ -205,6 +205,11 @@ fn candidates(campaign: &Campaign) -> Vec<Candidate> {
         runs: vec![reshaped(campaign, base, &constant)],
         again: Vec::new(),
     });
+    out.push(Candidate {
+        text: "one run of speed steps with sharp edges, sampled ten times as fast",
+        runs: vec![hastened(reshaped(campaign, base, &steps))],
+        again: Vec::new(),
+    });
     if base.order.is_some() {
         let mut runs: Vec<Run> = campaign.runs.iter().rev().take(4).cloned().collect();
         place_after(campaign, &mut runs, 60.0);
@@ -294,6 +299,16 @@ fn reshaped(campaign: &Campaign, base: &Run, course: &dyn Fn(f64) -> f64) -> Run
     run
 }
 
+/// The same course of speed in a tenth of the time, at as many samples: what lasts for less than a sample is drawn out over some.
+fn hastened(mut run: Run) -> Run {
+    const FASTER: f64 = 10.0;
+    let start = run.time_s[0];
+    for t in &mut run.time_s {
+        *t = start + (*t - start) / FASTER;
+    }
+    run
+}
+
 fn steps(u: f64) -> f64 {
     const LEVELS: [f64; 5] = [0.1, 1.0, 0.2, 0.7, 0.4];
     if u <= 0.0 {
@@ -318,4 +333,43 @@ fn cycles(u: f64) -> f64 {
 
 fn constant(u: f64) -> f64 {
     0.5 * (u / 0.05).clamp(0.0, 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::prepare;
+    use crate::settled::law_alone;
+    use crate::subset::Subset;
+
+    /// What is proposed to tell a lag of the force from a delay of it, both of `seconds`, in a campaign sampled 60 times a second.
+    fn lag_or_delay(seconds: f64) -> Option<String> {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../../data/campaigns/brush-2x2-aluminium");
+        let campaign = campaign::open(&folder).expect("a shipped campaign");
+        let bench = prepare::bench(&campaign, &crate::Options::default()).expect("a bench");
+        let law = law_alone(&bench, &Subset::all(&bench), None).expect("the law fits");
+        let place = |id: &str| {
+            let mut causes = bench.catalogue.iter();
+            causes.position(|c| c.id() == id && c.parameters().len() == 1)
+        };
+        let [lag, delay] = ["sensor-lag", "clock-offset"].map(|id| [place(id).expect(id)]);
+        let own = law.fitted.model.law_parameters();
+        let mut parameters = law.fitted.parameters[..own].to_vec();
+        parameters.push(seconds);
+        let hypothesis = |effects| Hypothesis {
+            effects,
+            parameters: &parameters,
+        };
+        let sizes = &law.sizes;
+        propose(&bench, sizes, &hypothesis(&lag), &hypothesis(&delay)).map(|p| p.text)
+    }
+
+    #[test]
+    fn what_lasts_less_than_a_sample_asks_for_faster_samples() {
+        let short = lag_or_delay(0.005).expect("an experiment");
+        assert!(short.contains("sampled ten times as fast"), "{short}");
+        let long = lag_or_delay(0.2).expect("an experiment");
+        assert!(!long.contains("sampled"), "{long}");
+    }
 }

@@ -101,6 +101,18 @@ impl Passage {
             .min_by(|a, b| a.cost.total_cmp(&b.cost))
     }
 
+    /// Where it ended, with the work of all its solves: the last solve, if that was one of the problem it went to.
+    pub fn arrived(self) -> Option<Outcome> {
+        let iterations = self.steps();
+        let subproblems = self.solves.iter().map(|(_, found)| found.subproblems).sum();
+        let (part, last) = self.solves.into_iter().next_back()?;
+        (part >= 1.0).then_some(Outcome {
+            iterations,
+            subproblems,
+            ..last
+        })
+    }
+
     /// Steps of all solves.
     pub fn steps(&self) -> usize {
         self.solves.iter().map(|(_, found)| found.iterations).sum()
