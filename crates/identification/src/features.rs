@@ -12,6 +12,8 @@
 
 use campaign::{Campaign, Run};
 
+use crate::sliding::{SlidingCurve, sliding_curves};
+
 /// Rough numbers of a campaign, for starts and scales only: no result depends on their precision.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Features {
@@ -29,6 +31,8 @@ pub struct Features {
     pub half_way: f64,
     /// Speed at that place, m/s (rad/s).
     pub half_way_speed: f64,
+    /// Stribeck curves near the record where it slides, the nearest first; none where no speed but one is met.
+    pub sliding: Vec<SlidingCurve>,
 }
 
 impl Features {
@@ -46,6 +50,9 @@ impl Features {
         self.level() * std::f64::consts::LN_2 / self.half_way
     }
 }
+
+/// Times the way to half of the level after which a motion counts as sliding: 1 - 2^-5 of the level is reached.
+const SLIDES_AFTER: f64 = 5.0;
 
 /// One sample of a run in sliding terms.
 struct Sample {
@@ -96,7 +103,12 @@ pub fn features(campaign: &Campaign) -> Features {
         .get(crossings.len() / 2)
         .copied()
         .unwrap_or((0.01 * travelled, 0.1 * top_speed));
+    let slid: Vec<(f64, f64)> = loaded
+        .iter()
+        .flat_map(|run| slid(run, SLIDES_AFTER * half_way))
+        .collect();
     Features {
+        sliding: sliding_curves(&slid, top_speed),
         top_speed,
         forward: level(0.5, 1.0, Some(true)),
         reverse: level(0.5, 1.0, Some(false)),
@@ -131,6 +143,25 @@ fn samples(run: &Run) -> Vec<Sample> {
             resistance: y * v.signum(),
         })
         .collect()
+}
+
+/// Speed and resistance of a run's samples that lie more than `way` after its start or a change of sign.
+fn slid(run: &Run, way: f64) -> Vec<(f64, f64)> {
+    let mut travelled = 0.0;
+    let mut far = Vec::new();
+    for (i, sample) in samples(run).into_iter().enumerate() {
+        if i > 0 {
+            let (before, now) = (run.velocity_m_s[i - 1], run.velocity_m_s[i]);
+            if before * now < 0.0 {
+                travelled = 0.0;
+            }
+            travelled += 0.5 * (run.time_s[i] - run.time_s[i - 1]) * (before.abs() + now.abs());
+        }
+        if travelled > way {
+            far.push((sample.speed, sample.resistance));
+        }
+    }
+    far
 }
 
 /// Length of the path by the trapezoid rule.

@@ -22,6 +22,7 @@ mod quality;
 mod question;
 mod resampling;
 mod simulate;
+mod sliding;
 mod starts;
 mod thinning;
 
@@ -39,4 +40,5 @@ pub use paper_form::{PaperForm, in_paper_form};
 pub use quality::{LackOfFit, Quality, repeat_floor};
 pub use question::{IdentificationError, Question};
 pub use resampling::resample_runs;
+pub use sliding::SlidingCurve;
 pub use starts::starts;

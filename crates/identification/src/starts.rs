@@ -4,6 +4,7 @@
 //! (Stribeck speed, damping): over those the starts are spread. No published value and no recipe takes part.
 
 use crate::features::Features;
+use crate::sliding::SlidingCurve;
 use friction::LawKind;
 
 /// Starts for the parameters of a law, in the order of [`LawKind::parameters`].
@@ -18,33 +19,47 @@ pub fn starts(
     let rise = features.slow_over_fast.clamp(1.02, 3.0);
     match law {
         LawKind::CoulombViscous => vec![vec![features.level(), features.viscous_slope]],
-        LawKind::Stribeck => spread(&[0.03, 0.1, 0.3])
-            .map(|[share, _]| {
+        LawKind::Stribeck => {
+            let spread = [0.03, 0.1, 0.3].map(|share| {
                 vec![
                     features.level(),
                     rise * features.level(),
                     share * features.top_speed,
                     features.viscous_slope,
                 ]
-            })
-            .collect(),
+            });
+            let near = features.sliding.iter();
+            let near = near.map(|curve| vec![curve.mu_c, curve.mu_s, curve.v_s, curve.sigma2]);
+            spread.into_iter().chain(near).collect()
+        }
         LawKind::Dahl => [0.5, 1.0, 2.0]
             .iter()
             .map(|factor| vec![features.level(), factor * features.stiffness()])
             .collect(),
-        LawKind::Lugre | LawKind::LugreTyre => spread(&[0.01, 0.05, 0.2, 0.6])
-            .map(|[share, damping]| {
-                let stiffness = features.stiffness();
+        LawKind::Lugre | LawKind::LugreTyre => {
+            let stiffness = features.stiffness();
+            let damped = |damping: f64| damping * stiffness * time_scale(features);
+            let spread = spread(&[0.01, 0.05, 0.2, 0.6]).map(|[share, damping]| {
                 vec![
                     features.level(),
                     rise * features.level(),
                     share * features.top_speed,
                     stiffness,
-                    damping * stiffness * time_scale(features),
+                    damped(damping),
                     0.5 * features.viscous_slope,
                 ]
-            })
-            .collect(),
+            });
+            let near = features.sliding.iter().map(|curve| {
+                let SlidingCurve {
+                    mu_c,
+                    mu_s,
+                    v_s,
+                    sigma2,
+                } = *curve;
+                vec![mu_c, mu_s, v_s, stiffness, damped(0.1), sigma2]
+            });
+            spread.chain(near).collect()
+        }
         LawKind::SymmetricBristle => bristle_starts(features, height_m, Some(0.0))
             .into_iter()
             .map(|mut start| {
@@ -56,7 +71,7 @@ pub fn starts(
     }
 }
 
-/// Shares of the Stribeck speed with small and large damping.
+/// Shares of the top speed with small and large damping.
 fn spread(shares: &[f64]) -> impl Iterator<Item = [f64; 2]> {
     shares
         .iter()
@@ -165,6 +180,12 @@ mod tests {
             viscous_slope: 0.2,
             half_way: 2e-3,
             half_way_speed: 0.01,
+            sliding: vec![SlidingCurve {
+                mu_c: 0.5,
+                mu_s: 0.6,
+                v_s: 4e-3,
+                sigma2: 0.2,
+            }],
         }
     }
 
