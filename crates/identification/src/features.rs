@@ -155,7 +155,7 @@ fn slid(run: &Run, way: f64) -> Vec<(f64, f64)> {
             if before * now < 0.0 {
                 travelled = 0.0;
             }
-            travelled += 0.5 * (run.time_s[i] - run.time_s[i - 1]) * (before.abs() + now.abs());
+            travelled += step(run, i);
         }
         if travelled > way {
             far.push((sample.speed, sample.resistance));
@@ -164,13 +164,15 @@ fn slid(run: &Run, way: f64) -> Vec<(f64, f64)> {
     far
 }
 
-/// Length of the path by the trapezoid rule.
+/// Length of the path from the sample before to the i-th one, by the trapezoid rule.
+fn step(run: &Run, i: usize) -> f64 {
+    let (t, v) = (&run.time_s, &run.velocity_m_s);
+    0.5 * (t[i] - t[i - 1]) * (v[i - 1].abs() + v[i].abs())
+}
+
+/// Length of the path.
 fn path(run: &Run) -> f64 {
-    run.time_s
-        .windows(2)
-        .zip(run.velocity_m_s.windows(2))
-        .map(|(t, v)| 0.5 * (t[1] - t[0]) * (v[0].abs() + v[1].abs()))
-        .sum()
+    (1..run.time_s.len()).map(|i| step(run, i)).sum()
 }
 
 /// Displacement and speed at the first half-way crossing after the start from rest, or the median over reversals.
@@ -187,7 +189,7 @@ fn half_way(run: &Run, level: f64) -> Option<(f64, f64)> {
         if reversed && found.len() + 1 > usize::from(relaxed) {
             (travelled, target) = (0.0, Some(0.0));
         }
-        travelled += 0.5 * (run.time_s[i] - run.time_s[i - 1]) * (v[i].abs() + v[i - 1].abs());
+        travelled += step(run, i);
         if let Some(aim) = target
             && y[i] * v[i].signum() >= aim
             && v[i] != 0.0
