@@ -16,7 +16,7 @@ use trajectory::{Options, ProgrammeError, Start, Status, scaled_distance};
 
 /// Costs closer than this, relative, are those of one stride.
 const SAME_COST: f64 = 1e-6;
-/// Dearer strides of a problem that are kept to hop from, the cheapest.
+/// Other strides of a problem that are kept to hop from, the cheapest.
 const OTHERS: usize = 6;
 /// How the stride of another problem is followed to this one. In four parts it keeps to its branch: of 54 ways along the sweep and from other choices 52 arrived at a
 /// certificate and 18 in the best stride, at 3.4 s of processor time; of 617 starts taken in one step 340 and 72 did.
@@ -54,7 +54,7 @@ pub struct Entry {
     pub problem: Problem,
     /// The best stride so far.
     pub outcome: Option<Outcome>,
-    /// Dearer certified strides of it, the cheapest first.
+    /// Other certified strides of it, the cheapest first.
     pub others: Vec<Outcome>,
     /// Starts that it was solved from; a start that is no stride of the book stands under its own name.
     pub tried: Vec<Source>,
@@ -143,7 +143,7 @@ impl Entry {
         }
     }
 
-    /// Keeps certified strides that are dearer than the best as places to hop from.
+    /// Keeps certified strides beside the best one as places to hop from.
     fn keep_others(&mut self, strides: [Outcome; 2], best: f64) {
         for stride in strides {
             let mut known = self.others.iter().map(|other| other.cost);
