@@ -139,19 +139,11 @@ fn notes(whole: &Whole<'_>) -> Vec<String> {
                 .to_owned(),
         );
     }
-    let model = &whole.law.model;
-    for (spec, value) in model
-        .parameters()
-        .iter()
-        .zip(&whole.law.parameters)
-        .take(model.law_parameters())
-    {
-        if *value <= spec.lower || *value >= spec.upper {
-            notes.push(format!(
-                "with the law alone, {} runs to its bound ({value:.4})",
-                spec.name
-            ));
-        }
+    for (spec, value) in whole.law.law_at_bounds() {
+        notes.push(format!(
+            "with the law alone, {} runs to its bound ({value:.4})",
+            spec.name
+        ));
     }
     if whole.bench.samples.temperature.is_none() {
         notes.push(

@@ -5,7 +5,7 @@ use std::sync::{Mutex, OnceLock};
 use campaign::Campaign;
 use fitting::noise::{EstimateOptions, NoiseModel, Search, Sizes, Whitener, estimate};
 use fitting::{Bounds, Options as SolverOptions, Residuals, minimise};
-use friction::LawKind;
+use friction::{LawKind, ParameterSpec};
 use nalgebra::{DMatrix, DVector};
 use rig::{Cause, Experiment, Model, Paths};
 
@@ -77,6 +77,14 @@ impl Fitted {
     pub(crate) fn paths(&self, bench: &Bench<'_>) -> &Paths {
         let walk = || (self.model).predict_and_keep(&bench.experiment, &self.parameters);
         self.paths.get_or_init(|| walk().1)
+    }
+
+    /// The parameters of the law that have run to a bound, and their values.
+    pub(crate) fn law_at_bounds(&self) -> impl Iterator<Item = (&ParameterSpec, f64)> {
+        let law = self.model.parameters().iter().zip(&self.parameters);
+        law.take(self.model.law_parameters())
+            .map(|(spec, value)| (spec, *value))
+            .filter(|(spec, value)| *value <= spec.lower || *value >= spec.upper)
     }
 
     /// The parameters with others in the place of the k-th cause's own.

@@ -90,7 +90,7 @@ fn strong_proposal(
 }
 
 /// The best further cause beside a stand. Where causes are strong, in what they score or in what a fit saves (beside a law that was
-/// bent to them, and its noise, they may score little), the stand's parameters are not trusted.
+/// bent to them, and its noise, they may score little), and where the law has run to a bound, the stand's parameters are not trusted.
 pub(crate) fn proposal(
     bench: &Bench<'_>,
     subset: &Subset,
@@ -100,17 +100,39 @@ pub(crate) fn proposal(
     depth: Depth,
     warm: Option<&Warm>,
 ) -> Option<Proposal> {
-    // A search under the noise of a healthy rig may lose what the stand's own noise shows plainly.
-    let anew = |promised: f64| {
-        strong_proposal(bench, subset, stand, found, warm)
-            .filter(|proposal| proposal.drop > KEPT * promised)
-    };
+    let anew = || strong_proposal(bench, subset, stand, found, warm);
     let best = found.candidates.first().map_or(0.0, |c| c.score.z());
-    if best > STRONG
-        && let Some(proposal) = anew(best.powi(2))
-    {
-        return Some(proposal);
+    let mut afresh = (best > STRONG).then(anew).flatten();
+    let keeps = |promised: f64, next: &Proposal| next.drop > KEPT * promised;
+    if afresh.as_ref().is_some_and(|next| keeps(best.powi(2), next)) {
+        return afresh;
     }
+    let beside = joint_proposal(bench, subset, stand, found, threshold, depth, warm);
+    let drop = beside.as_ref().map_or(0.0, |next| next.drop);
+    let bent = drop > STRONG.powi(2) || (warm.is_none() && stand.fitted.law_at_bounds().next().is_some());
+    if best <= STRONG && bent {
+        afresh = anew();
+    }
+    // A search under the noise of a healthy rig may lose what the stand's own noise shows plainly; nor need a fit beside the stand keep
+    // what its score promises: where the law is bent to two causes the tangent is far from either.
+    let promised = if drop > STRONG.powi(2) {
+        drop
+    } else {
+        drop / KEPT
+    };
+    afresh.filter(|next| keeps(promised, next)).or(beside)
+}
+
+/// The best of the causes that score best, each fitted together with the stand's model under the stand's noise.
+fn joint_proposal(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    found: &Scan,
+    threshold: f64,
+    depth: Depth,
+    warm: Option<&Warm>,
+) -> Option<Proposal> {
     let (most, starts) = match depth {
         Depth::Full => (SURVIVORS, 2),
         Depth::Fold => (3, 1),
@@ -119,16 +141,9 @@ pub(crate) fn proposal(
     let known = warm.map_or(&[][..], |warm| &warm.causes);
     let fits = joint_fits(bench, subset, stand, &asked, starts, known);
     let (cause, fit, deviance) = fits.first().cloned()?;
-    let drop = stand.deviance - deviance;
-    if best <= STRONG
-        && drop > STRONG.powi(2)
-        && let Some(proposal) = anew(drop)
-    {
-        return Some(proposal);
-    }
     Some(Proposal {
         next: Next::Fit(Box::new(fit)),
-        drop,
+        drop: stand.deviance - deviance,
         log_p: found.log_p_of(cause),
         tried: fits
             .into_iter()
