@@ -104,12 +104,16 @@ pub(crate) fn proposal(
     let best = found.candidates.first().map_or(0.0, |c| c.score.z());
     let mut afresh = (best > STRONG).then(anew).flatten();
     let keeps = |promised: f64, next: &Proposal| next.drop > KEPT * promised;
-    if afresh.as_ref().is_some_and(|next| keeps(best.powi(2), next)) {
+    if afresh
+        .as_ref()
+        .is_some_and(|next| keeps(best.powi(2), next))
+    {
         return afresh;
     }
     let beside = joint_proposal(bench, subset, stand, found, threshold, depth, warm);
     let drop = beside.as_ref().map_or(0.0, |next| next.drop);
-    let bent = drop > STRONG.powi(2) || (warm.is_none() && stand.fitted.law_at_bounds().next().is_some());
+    let bent =
+        drop > STRONG.powi(2) || (warm.is_none() && stand.fitted.law_at_bounds().next().is_some());
     if best <= STRONG && bent {
         afresh = anew();
     }
