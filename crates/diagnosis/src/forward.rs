@@ -7,7 +7,7 @@ use crate::joint::is_dear;
 use crate::lateness::looked_up;
 use crate::left::lack;
 use crate::look_back::{drop_idle, exchange_with_named, look_back};
-use crate::proposal::{Next, Proposal, cannot_matter, proposal};
+use crate::proposal::{Next, Proposal, Seen, cannot_matter};
 use crate::refusal::take_back;
 use crate::scan::{Scan, scan, scan_without};
 use crate::selection::{Depth, MOST_EFFECTS, SHAPE_TOLERANCE, Selected, Single, Warm, strict};
@@ -144,9 +144,14 @@ impl<'a, 'b> Forward<'a, 'b> {
         let proposal = if top.log_p > admitted {
             swallowed(bench, subset, stand, found, self.warm).map(Proposal::from)
         } else {
-            proposal(
-                bench, subset, stand, found, threshold, self.depth, self.warm,
-            )
+            let seen = Seen {
+                bench,
+                subset,
+                stand,
+                found,
+                warm: self.warm,
+            };
+            seen.proposal(threshold, self.depth)
         }?;
         let passes = round == 0 || proposal.log_p <= admitted;
         let beyond_shape = round == 0 || proposal.drop > SHAPE_TOLERANCE.powi(2) * self.explained;

@@ -55,103 +55,86 @@ impl From<Recovered> for Proposal {
     }
 }
 
-/// The best further cause beside a stand whose parameters cannot be trusted.
-fn strong_proposal(
-    bench: &Bench<'_>,
-    subset: &Subset,
-    stand: &Stand,
-    found: &Scan,
-    warm: Option<&Warm>,
-) -> Option<Proposal> {
-    let mut stands = afresh(bench, subset, stand, found, warm);
-    let tried = stands
-        .iter()
-        .map(|(cause, stand)| Single {
-            cause: *cause,
-            fitted: stand.fitted.clone(),
+/// A stand and what is seen beside it: what a further cause is looked for in.
+pub(crate) struct Seen<'a, 'b> {
+    pub(crate) bench: &'a Bench<'b>,
+    pub(crate) subset: &'a Subset,
+    pub(crate) stand: &'a Stand,
+    pub(crate) found: &'a Scan,
+    pub(crate) warm: Option<&'a Warm>,
+}
+
+impl Seen<'_, '_> {
+    /// The best further cause beside the stand. Where causes are strong, in what they score or in what a fit saves (beside a law that was
+    /// bent to them, and its noise, they may score little), and where the law has run to a bound, the stand's parameters are not trusted.
+    pub(crate) fn proposal(&self, threshold: f64, depth: Depth) -> Option<Proposal> {
+        let best = self.found.candidates.first().map_or(0.0, |c| c.score.z());
+        let mut afresh = (best > STRONG).then(|| self.afresh()).flatten();
+        let keeps = |promised: f64, next: &Proposal| next.drop > KEPT * promised;
+        if afresh
+            .as_ref()
+            .is_some_and(|next| keeps(best.powi(2), next))
+        {
+            return afresh;
+        }
+        let beside = self.beside(threshold, depth);
+        let drop = beside.as_ref().map_or(0.0, |next| next.drop);
+        let is_strong = drop > STRONG.powi(2);
+        let at_bound = || self.stand.fitted.law_at_bounds().next().is_some();
+        if best <= STRONG && (is_strong || self.warm.is_none() && at_bound()) {
+            afresh = self.afresh();
+        }
+        // A search under the noise of a healthy rig may lose what the stand's own noise shows plainly; nor need a fit beside the stand keep
+        // what its score promises: where the law is bent to two causes the tangent is far from either.
+        let promised = if is_strong { drop } else { drop / KEPT };
+        afresh.filter(|next| keeps(promised, next)).or(beside)
+    }
+
+    /// The best further cause where the stand's parameters cannot be trusted.
+    fn afresh(&self) -> Option<Proposal> {
+        let (bench, subset, stand) = (self.bench, self.subset, self.stand);
+        let mut stands = afresh(bench, subset, stand, self.found, self.warm);
+        let tried = stands
+            .iter()
+            .map(|(cause, stand)| Single {
+                cause: *cause,
+                fitted: stand.fitted.clone(),
+            })
+            .collect();
+        if stands.is_empty() {
+            return None;
+        }
+        let (cause, next) = stands.swap_remove(0);
+        // Beside a law that was bent to a cause, its tangent there may score nothing: what the fit saves under the noise that the law
+        // alone leaves is seen too.
+        let saved = stand.deviance - stand.deviance_of(bench, subset, &next.fitted);
+        let asked = bench.catalogue[cause].parameters().len();
+        Some(Proposal {
+            drop: next.deviance_of(bench, subset, &stand.fitted) - next.deviance,
+            next: Next::Settled(Box::new(next)),
+            log_p: (self.found.log_p_of(cause)).min(log_chi2_tail(saved.max(0.0), asked)),
+            tried,
         })
-        .collect();
-    if stands.is_empty() {
-        return None;
     }
-    let (cause, next) = stands.swap_remove(0);
-    // Beside a law that was bent to a cause, its tangent there may score nothing: what the fit saves under the noise that the law
-    // alone leaves is seen too.
-    let saved = stand.deviance - stand.deviance_of(bench, subset, &next.fitted);
-    let asked = bench.catalogue[cause].parameters().len();
-    Some(Proposal {
-        drop: next.deviance_of(bench, subset, &stand.fitted) - next.deviance,
-        next: Next::Settled(Box::new(next)),
-        log_p: found
-            .log_p_of(cause)
-            .min(log_chi2_tail(saved.max(0.0), asked)),
-        tried,
-    })
-}
 
-/// The best further cause beside a stand. Where causes are strong, in what they score or in what a fit saves (beside a law that was
-/// bent to them, and its noise, they may score little), and where the law has run to a bound, the stand's parameters are not trusted.
-pub(crate) fn proposal(
-    bench: &Bench<'_>,
-    subset: &Subset,
-    stand: &Stand,
-    found: &Scan,
-    threshold: f64,
-    depth: Depth,
-    warm: Option<&Warm>,
-) -> Option<Proposal> {
-    let anew = || strong_proposal(bench, subset, stand, found, warm);
-    let best = found.candidates.first().map_or(0.0, |c| c.score.z());
-    let mut afresh = (best > STRONG).then(anew).flatten();
-    let keeps = |promised: f64, next: &Proposal| next.drop > KEPT * promised;
-    if afresh
-        .as_ref()
-        .is_some_and(|next| keeps(best.powi(2), next))
-    {
-        return afresh;
+    /// The best of the causes that score best, each fitted together with the stand's model under the stand's noise.
+    fn beside(&self, threshold: f64, depth: Depth) -> Option<Proposal> {
+        let (most, starts) = match depth {
+            Depth::Full => (SURVIVORS, 2),
+            Depth::Fold => (3, 1),
+        };
+        let asked = survivors(self.bench, self.found, threshold, most);
+        let known = self.warm.map_or(&[][..], |warm| &warm.causes);
+        let fits = joint_fits(self.bench, self.subset, self.stand, &asked, starts, known);
+        let (cause, fit, deviance) = fits.first().cloned()?;
+        Some(Proposal {
+            next: Next::Fit(Box::new(fit)),
+            drop: self.stand.deviance - deviance,
+            log_p: self.found.log_p_of(cause),
+            tried: fits
+                .into_iter()
+                .map(|(cause, fitted, _)| Single { cause, fitted })
+                .collect(),
+        })
     }
-    let beside = joint_proposal(bench, subset, stand, found, threshold, depth, warm);
-    let drop = beside.as_ref().map_or(0.0, |next| next.drop);
-    let bent =
-        drop > STRONG.powi(2) || (warm.is_none() && stand.fitted.law_at_bounds().next().is_some());
-    if best <= STRONG && bent {
-        afresh = anew();
-    }
-    // A search under the noise of a healthy rig may lose what the stand's own noise shows plainly; nor need a fit beside the stand keep
-    // what its score promises: where the law is bent to two causes the tangent is far from either.
-    let promised = if drop > STRONG.powi(2) {
-        drop
-    } else {
-        drop / KEPT
-    };
-    afresh.filter(|next| keeps(promised, next)).or(beside)
-}
-
-/// The best of the causes that score best, each fitted together with the stand's model under the stand's noise.
-fn joint_proposal(
-    bench: &Bench<'_>,
-    subset: &Subset,
-    stand: &Stand,
-    found: &Scan,
-    threshold: f64,
-    depth: Depth,
-    warm: Option<&Warm>,
-) -> Option<Proposal> {
-    let (most, starts) = match depth {
-        Depth::Full => (SURVIVORS, 2),
-        Depth::Fold => (3, 1),
-    };
-    let asked = survivors(bench, found, threshold, most);
-    let known = warm.map_or(&[][..], |warm| &warm.causes);
-    let fits = joint_fits(bench, subset, stand, &asked, starts, known);
-    let (cause, fit, deviance) = fits.first().cloned()?;
-    Some(Proposal {
-        next: Next::Fit(Box::new(fit)),
-        drop: stand.deviance - deviance,
-        log_p: found.log_p_of(cause),
-        tried: fits
-            .into_iter()
-            .map(|(cause, fitted, _)| Single { cause, fitted })
-            .collect(),
-    })
 }

@@ -1,7 +1,7 @@
 //! A book of strides: named problems with the best stride found for each, improved from each other.
 //!
-//! A problem is solved from the strides of other problems, the nearest by name first; the cheapest certified stride stays, and
-//! how many starts ended in it is counted. A start is the stride of another problem, followed to this one in parts of the way: it is
+//! A problem is solved from the strides of other problems, the nearest by name first; the best certified stride stays
+//! ([`Outcome::merged`]), and how many starts ended in it is counted. A start is the stride of another problem, followed to this one in parts of the way: it is
 //! tried once, and again only when that problem has found a better stride. One that came from the stride to be found may lead on, but proves nothing.
 //! The book is complete when nothing is left to try.
 
