@@ -172,6 +172,23 @@ fn nothing_is_found_where_nothing_is() {
     assert!(refused <= 1, "{judgements:?}");
 }
 
+/// The noise of a cell that records the load is no cause: what smooths it or shifts it would fit better. A delay beside it is found.
+#[test]
+fn noise_of_a_load_cell_is_no_cause() {
+    let healthy = [Protocol::Rich, Protocol::Speeds, Protocol::PaperAlternating];
+    let mut trials: Vec<Trial> = (SEED + 620..)
+        .zip(healthy)
+        .map(|(seed, protocol)| {
+            let case = Case::nothing(protocol, NoiseKind::LoadCell, seed);
+            trial(Group::Nothing, case, 0.0, None)
+        })
+        .collect();
+    let delayed = Case::nothing(Protocol::Rich, NoiseKind::LoadCell, SEED + 630);
+    let delayed = delayed.with("clock-offset", 1.0, false);
+    trials.push(trial(Group::Single, delayed, 5.0, None));
+    assert_none(&complaints(&trials, &[Verdict::Right]));
+}
+
 /// What no cause of the catalogue makes is reported as unexplained, without a name. A lean that rocks at random times is, at five
 /// thresholds of one who knows the times, no larger than the roughness: there it may be missed, but not named.
 #[test]

@@ -139,6 +139,14 @@ fn notes(whole: &Whole<'_>) -> Vec<String> {
                 .to_owned(),
         );
     }
+    let noise = whole.bench.experiment.load_noise;
+    if let Some(noise) = noise.filter(|noise| noise.kept < 1.0) {
+        notes.push(format!(
+            "the recorded load scatters by {:.2e} N about its course, and the friction follows {:.0} % of that: the rest is taken for noise of the load's channel",
+            noise.sd_n,
+            100.0 * noise.kept
+        ));
+    }
     for (spec, value) in whole.law.law_at_bounds() {
         notes.push(format!(
             "with the law alone, {} runs to its bound ({value:.4})",

@@ -18,6 +18,7 @@ mod effect;
 mod experiment;
 mod factorised;
 mod jacobian;
+mod load_noise;
 mod model;
 mod model_file;
 mod refined;
@@ -30,6 +31,7 @@ pub use contact::Paths;
 pub use cord::Coupling;
 pub use effect::{Cause, ChainScalar, Follows, Hook, Hooks, Place, Reach, Reported, Requirement};
 pub use experiment::{Experiment, ExperimentError, GRAVITY_M_S2, RunMotion};
+pub use load_noise::LoadNoise;
 pub use model::{Model, ModelError};
 pub use model_file::{
     Extension, ExtensionEntry, ModelFile, ModelFileError, ParameterEntry, SCHEMA,

@@ -60,6 +60,8 @@ pub enum NoiseKind {
     PlateRoughness,
     /// Roughness without corners: white noise behind a Gaussian.
     SmoothRoughness,
+    /// As usual; the load is recorded, by a cell with noise.
+    LoadCell,
     /// None at all, for comparisons of simulators.
     None,
 }
@@ -85,6 +87,7 @@ impl NoiseKind {
             Self::FreeRoughness => "free-roughness",
             Self::PlateRoughness => "plate-roughness",
             Self::SmoothRoughness => "smooth-roughness",
+            Self::LoadCell => "load-cell",
             Self::None => "none",
         }
     }
@@ -98,6 +101,7 @@ impl NoiseKind {
             plate_share: 0.5,
             sensor_n: accuracy_percent / 100.0 * full_scale_n,
             scatter: 0.01,
+            load_cell: 0.0,
             tails: Tails::Normal,
             grain: Grain::Rough,
         };
@@ -125,6 +129,10 @@ impl NoiseKind {
             },
             Self::SmoothRoughness => Noise {
                 grain: Grain::Smooth,
+                ..usual
+            },
+            Self::LoadCell => Noise {
+                load_cell: 0.005,
                 ..usual
             },
             Self::None => Noise {

@@ -37,6 +37,8 @@ pub struct Recording {
     pub position_m: Vec<f64>,
     /// Force channel, N.
     pub force_n: Vec<f64>,
+    /// Load channel, N; `None` where no load is recorded.
+    pub load_n: Option<Vec<f64>>,
 }
 
 /// Runs the whole day and returns what the logger wrote, one recording a run.
@@ -183,7 +185,22 @@ fn record_run(
     let mut recording = integrate(&mut contact, plan, history);
     bend_after(rig, run, history);
     spoil_reading(rig, noise, &mut recording.force_n, seed, purpose + 5);
+    recording.load_n = read_load(run, noise, recording.time_s.len(), seed, purpose + 6);
     recording
+}
+
+/// What a cell with noise says of the load, which stays as it was set.
+fn read_load(
+    run: &RunPlan,
+    noise: &Noise,
+    samples: usize,
+    seed: u64,
+    purpose: u64,
+) -> Option<Vec<f64>> {
+    let load_n = run.load_n.filter(|_| noise.load_cell > 0.0)?;
+    let mut generator = stream(seed, purpose);
+    let mut read = || load_n * (1.0 + noise.load_cell * Tails::Normal.draw(&mut generator));
+    Some((0..samples).map(|_| read()).collect())
 }
 
 /// The motion of a run behind the rig's play, if it has one.
@@ -354,6 +371,7 @@ fn integrate(contact: &mut Contact<'_>, plan: &Plan, history: &mut History) -> R
         velocity_m_s: velocity,
         position_m,
         force_n: force,
+        load_n: None,
     }
 }
 

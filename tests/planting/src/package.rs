@@ -88,11 +88,11 @@ fn table(recording: &Recording, plan: &Plan) -> String {
             ",position_mm"
         });
     }
-    text.push_str(if rotary {
-        ",torque_n_m\n"
-    } else {
-        ",force_n\n"
-    });
+    text.push_str(if rotary { ",torque_n_m" } else { ",force_n" });
+    if recording.load_n.is_some() {
+        text.push_str(",normal_force_n");
+    }
+    text.push('\n');
     for i in 0..recording.time_s.len() {
         let _ = write!(
             text,
@@ -107,12 +107,16 @@ fn table(recording: &Recording, plan: &Plan) -> String {
                 number(scale * recording.position_m[i], digits.place)
             );
         }
-        let _ = writeln!(text, ",{}", number(recording.force_n[i], digits.force));
+        let _ = write!(text, ",{}", number(recording.force_n[i], digits.force));
+        if let Some(load_n) = &recording.load_n {
+            let _ = write!(text, ",{}", number(load_n[i], digits.force));
+        }
+        text.push('\n');
     }
     text
 }
 
-fn fields(plan: &Plan) -> Value {
+fn fields(plan: &Plan, recording: &Recording) -> Value {
     let field = |name: &str, unit: &str| json!({"name": name, "type": "number", "unit": unit});
     let rotary = plan.axis == Axis::Rotary;
     let mut fields = vec![field("time_s", "s")];
@@ -133,6 +137,9 @@ fn fields(plan: &Plan) -> Value {
     } else {
         field("force_n", "N")
     });
+    if recording.load_n.is_some() {
+        fields.push(field("normal_force_n", "N"));
+    }
     Value::Array(fields)
 }
 
@@ -204,7 +211,7 @@ pub fn files(
             "name": names[index],
             "path": path,
             "profile": "tabular-data-resource",
-            "schema": {"fields": fields(plan)},
+            "schema": {"fields": fields(plan, &recordings[index])},
             "run": run_metadata(plan, index),
         }));
         files.push((path, table(&recordings[index], plan)));

@@ -70,6 +70,8 @@ pub struct Noise {
     pub sensor_n: f64,
     /// Standard deviation of the factor by which friction differs from run to run.
     pub scatter: f64,
+    /// Standard deviation of the white noise of the cell that records the load, as a share of the load; zero: no load is recorded.
+    pub load_cell: f64,
     /// Tails of roughness and sensor noise.
     pub tails: crate::roughness::Tails,
     /// How smooth the roughness is.
@@ -84,6 +86,7 @@ impl Noise {
         plate_share: 0.5,
         sensor_n: 0.0,
         scatter: 0.0,
+        load_cell: 0.0,
         tails: crate::roughness::Tails::Normal,
         grain: crate::roughness::Grain::Rough,
     };

@@ -173,6 +173,7 @@ impl Recipe {
             sensor_n: self.published.number("rig.sensor_accuracy")? / 100.0
                 * self.choices.noise.sensor_full_scale_n,
             scatter: self.choices.noise.scatter_percent / 100.0,
+            load_cell: 0.0,
             tails: Tails::Normal,
             grain: Grain::Rough,
         })

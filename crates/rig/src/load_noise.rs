@@ -1,0 +1,356 @@
+//! The noise of a recorded load.
+//!
+//! A load cell scatters from sample to sample, and friction does not: a prediction mu N with the load as recorded carries the cell's noise,
+//! and whatever smooths it or moves it in time (a lag, a delay) then fits better and is no cause. The load z of a run is therefore taken as
+//! (Whittaker 1923, smoothness by generalised cross-validation over all runs)
+//!
+//! ```text
+//! min over z of  sum (N_i - z_i)^2 + lambda sum (z_{i-1} - 2 z_i + z_{i+1})^2                             (M2)
+//! N_i <- z_i + kappa (N_i - z_i)
+//! ```
+//!
+//! kappa is the share of what the cell shows beyond z that friction follows, the sum over k of the b_k in
+//!
+//! ```text
+//! F_i - (smoothed F)_i = sum_k b_k mu_{i-k} (N - z)_{i-k} + noise                                         (M3)
+//! ```
+//!
+//! zero where that is no more than chance: a rig that truly shakes keeps its load. Nothing is lost where it is zero by mistake but that friction
+//! is told a little worse: no cause gains from it.
+
+use campaign::{Campaign, Protocol, Run};
+use nalgebra::{DMatrix, DVector};
+
+/// Noise below this share of the mean load is none.
+const NONE: f64 = 1e-6;
+/// Shorter runs are left as recorded.
+const SHORTEST: usize = 16;
+/// Smoothness asked for: lambda = 4^0 to 4^10, which pass waves longer than some 6 to 200 samples.
+const SMOOTHEST: i32 = 10;
+/// Samples by which the force may be recorded early or late.
+const SHIFTS: std::ops::RangeInclusive<isize> = -4..=12;
+/// Standard deviations from which friction plainly follows what the cell shows.
+const PLAIN: f64 = 4.0;
+/// Standard deviations from which a force runs away from the smoothed one.
+const FAR: f64 = 4.0;
+
+/// What was taken from the recorded loads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LoadNoise {
+    /// Root mean square of what the cell shows beside the smooth load, N.
+    pub sd_n: f64,
+    /// Share of it that friction follows.
+    pub kept: f64,
+}
+
+/// Loads of all runs without the noise of the cell, and what was taken; `None` where no load is recorded, or without noise.
+pub(crate) fn without_noise(campaign: &Campaign) -> Option<(Vec<Option<Vec<f64>>>, LoadNoise)> {
+    let recorded: Vec<Option<&[f64]>> = campaign.runs.iter().map(recorded).collect();
+    let loads: Vec<&[f64]> = recorded.iter().copied().flatten().collect();
+    let samples: usize = loads.iter().map(|n| n.len()).sum();
+    if samples == 0 {
+        return None;
+    }
+    let lambda = likeliest(&loads);
+    let smooth: Vec<Option<Vec<f64>>> = recorded
+        .iter()
+        .map(|n| n.map(|n| smoothed(n, lambda)))
+        .collect();
+    let rest =
+        |n: &[f64], z: &[f64]| -> f64 { n.iter().zip(z).map(|(n, z)| (n - z).powi(2)).sum() };
+    let pairs = || {
+        recorded
+            .iter()
+            .zip(&smooth)
+            .filter_map(|(n, z)| n.zip(z.as_ref()))
+    };
+    let power: f64 = pairs().map(|(n, z)| rest(n, z)).sum();
+    let mean = loads.iter().flat_map(|n| n.iter()).sum::<f64>() / samples as f64;
+    let sd_n = (power / samples as f64).sqrt();
+    if sd_n <= NONE * mean.abs() {
+        return None;
+    }
+    let kept = share_followed(campaign, &smooth, lambda);
+    let mixed = |n: &[f64], z: &[f64]| n.iter().zip(z).map(|(n, z)| z + kept * (n - z)).collect();
+    let loads = recorded
+        .iter()
+        .zip(&smooth)
+        .map(|(n, z)| n.zip(z.as_ref()).map(|(n, z)| mixed(n, z)))
+        .collect();
+    Some((loads, LoadNoise { sd_n, kept }))
+}
+
+/// The load that a run in contact records, where it is long enough.
+fn recorded(run: &Run) -> Option<&[f64]> {
+    let load = run.normal_force_n.as_deref()?;
+    (run.protocol != Protocol::Unloaded && load.len() >= SHORTEST).then_some(load)
+}
+
+/// lambda with the least n RSS / (n - trace)^2 over all runs.
+fn likeliest(loads: &[&[f64]]) -> f64 {
+    let score = |lambda: f64| {
+        let (mut rest, mut free) = (0.0, 0.0);
+        for load in loads {
+            let z = smoothed(load, lambda);
+            rest += load
+                .iter()
+                .zip(&z)
+                .map(|(n, z)| (n - z).powi(2))
+                .sum::<f64>();
+            free += load.len() as f64 - trace(load.len(), lambda);
+        }
+        rest / (free * free)
+    };
+    let candidates = (0..=SMOOTHEST).map(|k| 4.0_f64.powi(k));
+    candidates
+        .map(|lambda| (score(lambda), lambda))
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map_or(1.0, |(_, lambda)| lambda)
+}
+
+/// Trace of the smoother of (M2): its eigenvalues are 1 / (1 + lambda (2 - 2 cos(pi k / n))^2) but for the ends (Garcia 2010).
+fn trace(n: usize, lambda: f64) -> f64 {
+    (0..n)
+        .map(|k| {
+            let second = 2.0 - 2.0 * (std::f64::consts::PI * k as f64 / n as f64).cos();
+            1.0 / (1.0 + lambda * second * second)
+        })
+        .sum()
+}
+
+/// z of (M2): the five diagonals of I + lambda D'D factorised as L diag(d) L', forward and back.
+fn smoothed(series: &[f64], lambda: f64) -> Vec<f64> {
+    let n = series.len();
+    let (mut d, mut one, mut two) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+    let mut z = series.to_vec();
+    // Row i of D'D: the second differences that hold sample i.
+    let holds = |i: usize, weights: [f64; 3]| -> f64 {
+        let at = |k: usize, w: f64| if i >= k && i + 2 < n + k { w } else { 0.0 };
+        at(0, weights[0]) + at(1, weights[1]) + at(2, weights[2])
+    };
+    for i in 0..n {
+        let mut diagonal = 1.0 + lambda * holds(i, [1.0, 4.0, 1.0]);
+        let mut beside = if i + 1 < n {
+            lambda * holds(i, [-2.0, -2.0, 0.0])
+        } else {
+            0.0
+        };
+        let beyond = if i + 2 < n { lambda } else { 0.0 };
+        if i >= 1 {
+            diagonal -= d[i - 1] * one[i - 1] * one[i - 1];
+            beside -= d[i - 1] * one[i - 1] * two[i - 1];
+            z[i] -= one[i - 1] * z[i - 1];
+        }
+        if i >= 2 {
+            diagonal -= d[i - 2] * two[i - 2] * two[i - 2];
+            z[i] -= two[i - 2] * z[i - 2];
+        }
+        (d[i], one[i], two[i]) = (diagonal, beside / diagonal, beyond / diagonal);
+    }
+    for i in (0..n).rev() {
+        z[i] /= d[i];
+        if i + 1 < n {
+            z[i] -= one[i] * z[i + 1];
+        }
+        if i + 2 < n {
+            z[i] -= two[i] * z[i + 2];
+        }
+    }
+    z
+}
+
+/// kappa: the sum of the b_k of (M3); zero where it is no more than chance, one where it is not plainly below.
+fn share_followed(campaign: &Campaign, smooth: &[Option<Vec<f64>>], lambda: f64) -> f64 {
+    let shifts = SHIFTS.count();
+    let mut normal = DMatrix::<f64>::zeros(shifts, shifts);
+    let mut right = DVector::<f64>::zeros(shifts);
+    for (run, z) in campaign.runs.iter().zip(smooth) {
+        if let (Some(n), Some(z)) = (recorded(run), z) {
+            for (row, force) in rows_of(&run.force_n, n, z, lambda) {
+                normal.ger(1.0, &row, &row, 1.0);
+                right.axpy(force, &row, 1.0);
+            }
+        }
+    }
+    let Some(root) = normal.cholesky() else {
+        return 0.0;
+    };
+    let kappa = root.solve(&right).sum();
+    let ones = DVector::from_element(shifts, 1.0);
+    let sd = ones.dot(&root.solve(&ones)).sqrt();
+    if kappa < PLAIN * sd {
+        0.0
+    } else if kappa > 1.0 - 2.0 * sd {
+        1.0
+    } else {
+        kappa
+    }
+}
+
+/// The rows of (M3) of one run: mu (N - z) at every shift, and the force beside the smoothed one, both over the standard deviation of the
+/// latter. Samples in which the force runs away from the smoothed one (starts, reversals) are left out.
+fn rows_of(force_n: &[f64], n: &[f64], z: &[f64], lambda: f64) -> Vec<(DVector<f64>, f64)> {
+    let force = smoothed(force_n, lambda);
+    let rest: Vec<f64> = force_n.iter().zip(&force).map(|(f, s)| f - s).collect();
+    let mut sizes: Vec<f64> = rest.iter().map(|r| r.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    // By the median, as for normal noise.
+    let sd = 1.4826 * sizes[sizes.len() / 2];
+    if sd == 0.0 {
+        return Vec::new();
+    }
+    let follows = |i: usize| {
+        if z[i] > 0.0 {
+            force[i] / z[i] * (n[i] - z[i])
+        } else {
+            0.0
+        }
+    };
+    let shown: Vec<f64> = (0..n.len()).map(|i| follows(i) / sd).collect();
+    let (first, last) = (*SHIFTS.end() as usize, n.len() as isize + SHIFTS.start());
+    (first..last.max(0) as usize)
+        .filter(|&i| rest[i].abs() < FAR * sd)
+        .map(|i| {
+            let row = SHIFTS.map(|k| shown[(i as isize - k) as usize]);
+            (DVector::from_iterator(SHIFTS.count(), row), rest[i] / sd)
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use campaign::{Axis, Direction, InitialState, Provenance, RigData, Specimen};
+
+    /// Numbers that look like noise of unit variance: sums of twelve from a linear congruence (Knuth's MMIX constants).
+    fn noise(seed: u64, n: usize) -> Vec<f64> {
+        let mut state = seed;
+        let mut uniform = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        (0..n)
+            .map(|_| (0..12).map(|_| uniform()).sum::<f64>() - 6.0)
+            .collect()
+    }
+
+    /// Four runs of 600 samples that slide at one speed under a load with a slow wave: friction 0.3 of `real`, a sensor's noise of 4 mN.
+    fn campaign(real: impl Fn(usize) -> Vec<f64>, shown: impl Fn(usize) -> Vec<f64>) -> Campaign {
+        let n = 600;
+        let runs = (0..4).map(|k| {
+            let sensor = noise(90 + k as u64, n);
+            let friction = real(k).into_iter().zip(sensor);
+            Run {
+                name: format!("run-{k}"),
+                direction: Direction::Forward,
+                protocol: Protocol::Constant,
+                repeat: None,
+                order: None,
+                started_s: None,
+                normal_load_n: None,
+                start_position_m: 0.0,
+                stage_turned: false,
+                specimen_turned: false,
+                initial_state: InitialState::Relaxed,
+                time_s: (0..n).map(|i| 0.01 * i as f64).collect(),
+                velocity_m_s: vec![0.01; n],
+                force_n: friction.map(|(load, e)| 0.3 * load + 4e-3 * e).collect(),
+                position_m: None,
+                normal_force_n: Some(shown(k)),
+                temperature_c: None,
+            }
+        });
+        Campaign {
+            name: "by-hand".to_owned(),
+            title: "by hand".to_owned(),
+            provenance: Provenance::Synthetic,
+            axis: Axis::Linear,
+            specimen: Specimen::default(),
+            counterface: None,
+            rig: RigData::default(),
+            runs: runs.collect(),
+            input_hashes: Vec::new(),
+        }
+    }
+
+    fn course(k: usize) -> Vec<f64> {
+        let wave = |i: usize| (0.02 * i as f64 + k as f64).sin();
+        (0..600).map(|i| 5.0 + 0.1 * wave(i)).collect()
+    }
+
+    fn plus(a: Vec<f64>, size: f64, b: &[f64]) -> Vec<f64> {
+        a.into_iter().zip(b).map(|(a, b)| a + size * b).collect()
+    }
+
+    fn miss(a: &[f64], b: &[f64]) -> f64 {
+        let squares: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
+        (squares / a.len() as f64).sqrt()
+    }
+
+    #[test]
+    fn the_smoother_solves_its_equation_and_leaves_straight_lines() {
+        let n = 9;
+        let mut second = DMatrix::<f64>::zeros(n - 2, n);
+        for i in 0..n - 2 {
+            second[(i, i)] = 1.0;
+            second[(i, i + 1)] = -2.0;
+            second[(i, i + 2)] = 1.0;
+        }
+        let matrix = DMatrix::identity(n, n) + 7.0 * second.transpose() * &second;
+        let series = noise(3, n);
+        let dense = matrix
+            .cholesky()
+            .expect("positive definite")
+            .solve(&DVector::from_column_slice(&series));
+        assert!(miss(&smoothed(&series, 7.0), dense.as_slice()) < 1e-14);
+        let line: Vec<f64> = (0..40).map(|i| 3.0 - 0.2 * f64::from(i)).collect();
+        assert!(miss(&smoothed(&line, 1e6), &line) < 1e-9);
+    }
+
+    #[test]
+    fn noise_of_the_cell_goes_and_the_course_of_the_load_stays() {
+        let cell = |k: usize| plus(course(k), 0.02, &noise(k as u64 + 1, 600));
+        let (loads, taken) = without_noise(&campaign(course, cell)).expect("there is noise");
+        assert_eq!(taken.kept, 0.0);
+        assert!((taken.sd_n / 0.02 - 1.0).abs() < 0.05, "{taken:?}");
+        for (k, load) in loads.iter().enumerate() {
+            let load = load.as_ref().expect("recorded");
+            assert!(miss(load, &course(k)) < 0.3 * miss(&cell(k), &course(k)));
+        }
+    }
+
+    /// A rig that shakes, and one whose force is read two samples late.
+    #[test]
+    fn what_friction_follows_stays() {
+        let shaken = |k: usize| plus(course(k), 0.02, &noise(k as u64 + 1, 600));
+        let late = |k: usize| {
+            let load = shaken(k);
+            [&load[..2], &load[..598]].concat()
+        };
+        for real in [&shaken as &dyn Fn(usize) -> Vec<f64>, &late] {
+            let (loads, taken) = without_noise(&campaign(real, shaken)).expect("it shakes");
+            assert_eq!(taken.kept, 1.0);
+            assert!(miss(loads[1].as_ref().expect("recorded"), &shaken(1)) < 1e-15);
+        }
+    }
+
+    #[test]
+    fn of_shaking_and_noise_of_one_size_half_stays() {
+        let shaken = |k: usize| plus(course(k), 0.02, &noise(k as u64 + 1, 600));
+        let read = |k: usize| plus(shaken(k), 0.02, &noise(k as u64 + 50, 600));
+        let (_, taken) = without_noise(&campaign(shaken, read)).expect("there is noise");
+        assert!((taken.kept - 0.5).abs() < 0.1, "{taken:?}");
+    }
+
+    #[test]
+    fn a_load_without_noise_is_left_as_recorded() {
+        assert!(without_noise(&campaign(course, |_| vec![5.0; 600])).is_none());
+        let mut unrecorded = campaign(course, course);
+        for run in &mut unrecorded.runs {
+            run.normal_force_n = None;
+        }
+        assert!(without_noise(&unrecorded).is_none());
+    }
+}
