@@ -26,6 +26,7 @@ mod scales;
 pub mod second_order;
 pub mod signal;
 mod station;
+mod whittaker;
 
 pub use contact::Paths;
 pub use cord::Coupling;

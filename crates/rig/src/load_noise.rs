@@ -2,31 +2,30 @@
 //!
 //! A load cell scatters from sample to sample, and friction does not: a prediction mu N with the load as recorded carries the cell's noise,
 //! and whatever smooths it or moves it in time (a lag, a delay) then fits better and is no cause. The load z of a run is therefore taken as
-//! (Whittaker 1923, smoothness by generalised cross-validation over all runs)
 //!
 //! ```text
-//! min over z of  sum (N_i - z_i)^2 + lambda sum (z_{i-1} - 2 z_i + z_{i+1})^2                             (M2)
-//! N_i <- z_i + kappa (N_i - z_i)
+//! N <- z + kappa (N - z),   z the smooth course of N (M2)
 //! ```
 //!
-//! kappa is the share of what the cell shows beyond z that friction follows, the sum over k of the b_k in
+//! kappa is the share of what the cell shows beyond z that friction follows,
 //!
 //! ```text
 //! F_i - (smoothed F)_i = sum_k b_k mu_{i-k} (N - z)_{i-k} + noise                                         (M3)
+//! kappa^2 = sum of squares that the b_k explain, less one a b_k, over that of mu (N - z)
 //! ```
 //!
-//! zero where that is no more than chance: a rig that truly shakes keeps its load. Nothing is lost where it is zero by mistake but that friction
-//! is told a little worse: no cause gains from it.
+//! both in standard deviations of the noise; zero where that is no more than chance: a rig that truly shakes keeps its load. Nothing is lost
+//! where it is zero by mistake but that friction is told a little worse: no cause gains from it.
 
 use campaign::{Campaign, Protocol, Run};
 use nalgebra::{DMatrix, DVector};
+
+use crate::whittaker::{likeliest, smoothed};
 
 /// Noise below this share of the mean load is none.
 const NONE: f64 = 1e-6;
 /// Shorter runs are left as recorded.
 const SHORTEST: usize = 16;
-/// Smoothness asked for: lambda = 4^0 to 4^10, which pass waves longer than some 6 to 200 samples.
-const SMOOTHEST: i32 = 10;
 /// Samples by which the force may be recorded early or late.
 const SHIFTS: std::ops::RangeInclusive<isize> = -4..=12;
 /// Standard deviations from which friction plainly follows what the cell shows.
@@ -86,80 +85,8 @@ fn recorded(run: &Run) -> Option<&[f64]> {
     (run.protocol != Protocol::Unloaded && load.len() >= SHORTEST).then_some(load)
 }
 
-/// lambda with the least n RSS / (n - trace)^2 over all runs.
-fn likeliest(loads: &[&[f64]]) -> f64 {
-    let score = |lambda: f64| {
-        let (mut rest, mut free) = (0.0, 0.0);
-        for load in loads {
-            let z = smoothed(load, lambda);
-            rest += load
-                .iter()
-                .zip(&z)
-                .map(|(n, z)| (n - z).powi(2))
-                .sum::<f64>();
-            free += load.len() as f64 - trace(load.len(), lambda);
-        }
-        rest / (free * free)
-    };
-    let candidates = (0..=SMOOTHEST).map(|k| 4.0_f64.powi(k));
-    candidates
-        .map(|lambda| (score(lambda), lambda))
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map_or(1.0, |(_, lambda)| lambda)
-}
-
-/// Trace of the smoother of (M2): its eigenvalues are 1 / (1 + lambda (2 - 2 cos(pi k / n))^2) but for the ends (Garcia 2010).
-fn trace(n: usize, lambda: f64) -> f64 {
-    (0..n)
-        .map(|k| {
-            let second = 2.0 - 2.0 * (std::f64::consts::PI * k as f64 / n as f64).cos();
-            1.0 / (1.0 + lambda * second * second)
-        })
-        .sum()
-}
-
-/// z of (M2): the five diagonals of I + lambda D'D factorised as L diag(d) L', forward and back.
-fn smoothed(series: &[f64], lambda: f64) -> Vec<f64> {
-    let n = series.len();
-    let (mut d, mut one, mut two) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-    let mut z = series.to_vec();
-    // Row i of D'D: the second differences that hold sample i.
-    let holds = |i: usize, weights: [f64; 3]| -> f64 {
-        let at = |k: usize, w: f64| if i >= k && i + 2 < n + k { w } else { 0.0 };
-        at(0, weights[0]) + at(1, weights[1]) + at(2, weights[2])
-    };
-    for i in 0..n {
-        let mut diagonal = 1.0 + lambda * holds(i, [1.0, 4.0, 1.0]);
-        let mut beside = if i + 1 < n {
-            lambda * holds(i, [-2.0, -2.0, 0.0])
-        } else {
-            0.0
-        };
-        let beyond = if i + 2 < n { lambda } else { 0.0 };
-        if i >= 1 {
-            diagonal -= d[i - 1] * one[i - 1] * one[i - 1];
-            beside -= d[i - 1] * one[i - 1] * two[i - 1];
-            z[i] -= one[i - 1] * z[i - 1];
-        }
-        if i >= 2 {
-            diagonal -= d[i - 2] * two[i - 2] * two[i - 2];
-            z[i] -= two[i - 2] * z[i - 2];
-        }
-        (d[i], one[i], two[i]) = (diagonal, beside / diagonal, beyond / diagonal);
-    }
-    for i in (0..n).rev() {
-        z[i] /= d[i];
-        if i + 1 < n {
-            z[i] -= one[i] * z[i + 1];
-        }
-        if i + 2 < n {
-            z[i] -= two[i] * z[i + 2];
-        }
-    }
-    z
-}
-
-/// kappa: the sum of the b_k of (M3); zero where it is no more than chance, one where it is not plainly below.
+/// kappa: of the power of what the cell shows the share that explains force, as an amplitude; zero where that is no more than chance, one
+/// where it is not plainly below.
 fn share_followed(campaign: &Campaign, smooth: &[Option<Vec<f64>>], lambda: f64) -> f64 {
     let shifts = SHIFTS.count();
     let mut normal = DMatrix::<f64>::zeros(shifts, shifts);
@@ -172,19 +99,29 @@ fn share_followed(campaign: &Campaign, smooth: &[Option<Vec<f64>>], lambda: f64)
             }
         }
     }
-    let Some(root) = normal.cholesky() else {
+    let power = normal.trace() / shifts as f64;
+    let (explained, directions) = explained(normal, &right);
+    let chance = directions + PLAIN * (2.0 * directions).sqrt();
+    if explained <= chance {
         return 0.0;
-    };
-    let kappa = root.solve(&right).sum();
-    let ones = DVector::from_element(shifts, 1.0);
-    let sd = ones.dot(&root.solve(&ones)).sqrt();
-    if kappa < PLAIN * sd {
-        0.0
-    } else if kappa > 1.0 - 2.0 * sd {
+    }
+    let kappa = ((explained - directions) / power).sqrt();
+    if kappa > 1.0 - 2.0 / power.sqrt() {
         1.0
     } else {
         kappa
     }
+}
+
+/// What the b_k of (M3) explain, and how many directions of theirs the record knows: a load that shakes at one frequency has two.
+fn explained(normal: DMatrix<f64>, right: &DVector<f64>) -> (f64, f64) {
+    let eigen = normal.symmetric_eigen();
+    let largest = eigen.eigenvalues.max();
+    let known = (0..right.len()).filter(|&k| eigen.eigenvalues[k] > 1e-9 * largest);
+    known.fold((0.0, 0.0), |(sum, count), k| {
+        let along = eigen.eigenvectors.column(k).dot(right);
+        (sum + along * along / eigen.eigenvalues[k], count + 1.0)
+    })
 }
 
 /// The rows of (M3) of one run: mu (N - z) at every shift, and the force beside the smoothed one, both over the standard deviation of the
@@ -220,21 +157,8 @@ fn rows_of(force_n: &[f64], n: &[f64], z: &[f64], lambda: f64) -> Vec<(DVector<f
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::whittaker::tests::{miss, noise};
     use campaign::{Axis, Direction, InitialState, Provenance, RigData, Specimen};
-
-    /// Numbers that look like noise of unit variance: sums of twelve from a linear congruence (Knuth's MMIX constants).
-    fn noise(seed: u64, n: usize) -> Vec<f64> {
-        let mut state = seed;
-        let mut uniform = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
-        (0..n)
-            .map(|_| (0..12).map(|_| uniform()).sum::<f64>() - 6.0)
-            .collect()
-    }
 
     /// Four runs of 600 samples that slide at one speed under a load with a slow wave: friction 0.3 of `real`, a sensor's noise of 4 mN.
     fn campaign(real: impl Fn(usize) -> Vec<f64>, shown: impl Fn(usize) -> Vec<f64>) -> Campaign {
@@ -284,31 +208,6 @@ mod tests {
         a.into_iter().zip(b).map(|(a, b)| a + size * b).collect()
     }
 
-    fn miss(a: &[f64], b: &[f64]) -> f64 {
-        let squares: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
-        (squares / a.len() as f64).sqrt()
-    }
-
-    #[test]
-    fn the_smoother_solves_its_equation_and_leaves_straight_lines() {
-        let n = 9;
-        let mut second = DMatrix::<f64>::zeros(n - 2, n);
-        for i in 0..n - 2 {
-            second[(i, i)] = 1.0;
-            second[(i, i + 1)] = -2.0;
-            second[(i, i + 2)] = 1.0;
-        }
-        let matrix = DMatrix::identity(n, n) + 7.0 * second.transpose() * &second;
-        let series = noise(3, n);
-        let dense = matrix
-            .cholesky()
-            .expect("positive definite")
-            .solve(&DVector::from_column_slice(&series));
-        assert!(miss(&smoothed(&series, 7.0), dense.as_slice()) < 1e-14);
-        let line: Vec<f64> = (0..40).map(|i| 3.0 - 0.2 * f64::from(i)).collect();
-        assert!(miss(&smoothed(&line, 1e6), &line) < 1e-9);
-    }
-
     #[test]
     fn noise_of_the_cell_goes_and_the_course_of_the_load_stays() {
         let cell = |k: usize| plus(course(k), 0.02, &noise(k as u64 + 1, 600));
@@ -334,6 +233,16 @@ mod tests {
             assert_eq!(taken.kept, 1.0);
             assert!(miss(loads[1].as_ref().expect("recorded"), &shaken(1)) < 1e-15);
         }
+    }
+
+    /// A load that shakes at one frequency, eight samples a turn.
+    #[test]
+    fn a_wave_that_friction_follows_stays() {
+        let turn = std::f64::consts::TAU / 8.0;
+        let wave: Vec<f64> = (0..600).map(|i| (turn * f64::from(i)).sin()).collect();
+        let real = |k: usize| plus(course(k), 0.1, &wave);
+        let (_, taken) = without_noise(&campaign(real, real)).expect("it shakes");
+        assert_eq!(taken.kept, 1.0);
     }
 
     #[test]
