@@ -15,7 +15,8 @@
 //! ```
 //!
 //! both in standard deviations of the noise; zero where that is no more than chance: a rig that truly shakes keeps its load. Nothing is lost
-//! where it is zero by mistake but that friction is told a little worse: no cause gains from it.
+//! where it is zero by mistake but that friction is told a little worse: no cause gains from it. Where the load runs away from z, as where it
+//! steps, it is taken as recorded.
 
 use campaign::{Campaign, Protocol, Run};
 use nalgebra::{DMatrix, DVector};
@@ -30,13 +31,13 @@ const SHORTEST: usize = 16;
 const SHIFTS: std::ops::RangeInclusive<isize> = -4..=12;
 /// Standard deviations from which friction plainly follows what the cell shows.
 const PLAIN: f64 = 4.0;
-/// Standard deviations from which a force runs away from the smoothed one.
+/// Standard deviations from which a series runs away from the smooth one: a corner of the load, a start or a reversal of the force.
 const FAR: f64 = 4.0;
 
 /// What was taken from the recorded loads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoadNoise {
-    /// Root mean square of what the cell shows beside the smooth load, N.
+    /// Standard deviation of what the cell shows beside the smooth load, N.
     pub sd_n: f64,
     /// Share of it that friction follows.
     pub kept: f64,
@@ -55,28 +56,36 @@ pub(crate) fn without_noise(campaign: &Campaign) -> Option<(Vec<Option<Vec<f64>>
         .iter()
         .map(|n| n.map(|n| smoothed(n, lambda)))
         .collect();
-    let rest =
-        |n: &[f64], z: &[f64]| -> f64 { n.iter().zip(z).map(|(n, z)| (n - z).powi(2)).sum() };
-    let pairs = || {
-        recorded
-            .iter()
-            .zip(&smooth)
-            .filter_map(|(n, z)| n.zip(z.as_ref()))
-    };
-    let power: f64 = pairs().map(|(n, z)| rest(n, z)).sum();
+    let beside: Vec<f64> = (recorded.iter().zip(&smooth))
+        .filter_map(|(n, z)| n.zip(z.as_ref()))
+        .flat_map(|(n, z)| n.iter().zip(z).map(|(n, z)| n - z))
+        .collect();
     let mean = loads.iter().flat_map(|n| n.iter()).sum::<f64>() / samples as f64;
-    let sd_n = (power / samples as f64).sqrt();
+    let sd_n = spread(&beside);
     if sd_n <= NONE * mean.abs() {
         return None;
     }
     let kept = share_followed(campaign, &smooth, lambda);
-    let mixed = |n: &[f64], z: &[f64]| n.iter().zip(z).map(|(n, z)| z + kept * (n - z)).collect();
+    let share = |rest: f64| if rest.abs() < FAR * sd_n { kept } else { 1.0 };
+    let mixed = |n: &[f64], z: &[f64]| -> Vec<f64> {
+        let both = n.iter().zip(z);
+        both.map(|(n, z)| z + share(n - z) * (n - z)).collect()
+    };
     let loads = recorded
         .iter()
         .zip(&smooth)
         .map(|(n, z)| n.zip(z.as_ref()).map(|(n, z)| mixed(n, z)))
         .collect();
     Some((loads, LoadNoise { sd_n, kept }))
+}
+
+/// Standard deviation by the median, as for normal noise: a few corners do not count.
+fn spread(rest: &[f64]) -> f64 {
+    let mut sizes: Vec<f64> = rest.iter().map(|r| r.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    sizes
+        .get(sizes.len() / 2)
+        .map_or(0.0, |median| 1.4826 * median)
 }
 
 /// The load that a run in contact records, where it is long enough.
@@ -129,10 +138,7 @@ fn explained(normal: DMatrix<f64>, right: &DVector<f64>) -> (f64, f64) {
 fn rows_of(force_n: &[f64], n: &[f64], z: &[f64], lambda: f64) -> Vec<(DVector<f64>, f64)> {
     let force = smoothed(force_n, lambda);
     let rest: Vec<f64> = force_n.iter().zip(&force).map(|(f, s)| f - s).collect();
-    let mut sizes: Vec<f64> = rest.iter().map(|r| r.abs()).collect();
-    sizes.sort_by(f64::total_cmp);
-    // By the median, as for normal noise.
-    let sd = 1.4826 * sizes[sizes.len() / 2];
+    let sd = spread(&rest);
     if sd == 0.0 {
         return Vec::new();
     }
@@ -251,6 +257,19 @@ mod tests {
         let read = |k: usize| plus(shaken(k), 0.02, &noise(k as u64 + 50, 600));
         let (_, taken) = without_noise(&campaign(shaken, read)).expect("there is noise");
         assert!((taken.kept - 0.5).abs() < 0.1, "{taken:?}");
+    }
+
+    #[test]
+    fn a_step_of_the_load_stays_a_step() {
+        let step = |_: usize| [[5.0; 300], [8.0; 300]].concat();
+        assert!(without_noise(&campaign(step, step)).is_none());
+        let cell = |k: usize| plus(step(k), 0.02, &noise(k as u64 + 1, 600));
+        let (loads, taken) = without_noise(&campaign(step, cell)).expect("there is noise");
+        // Beside the step friction follows what the smooth course misses.
+        assert!(taken.kept < 0.1, "{taken:?}");
+        let load = loads[2].as_ref().expect("recorded");
+        assert!((load[299] - 5.0).abs() < 0.1 && (load[300] - 8.0).abs() < 0.1);
+        assert!(miss(load, &step(2)) < miss(&cell(2), &step(2)));
     }
 
     #[test]
