@@ -29,8 +29,10 @@ const NONE: f64 = 1e-6;
 const SHORTEST: usize = 16;
 /// Samples by which the force may be recorded early or late.
 const SHIFTS: std::ops::RangeInclusive<isize> = -4..=12;
-/// Standard deviations from which friction plainly follows what the cell shows.
-const PLAIN: f64 = 4.0;
+/// Standard deviations of a chi-squared from which friction plainly follows what the cell shows.
+const PLAIN: f64 = 12.0;
+/// Share of it below which friction does not follow: a small share by mistake would bring noise back.
+const LEAST: f64 = 0.3;
 /// Standard deviations from which a series runs away from the smooth one: a corner of the load, a start or a reversal of the force.
 const FAR: f64 = 4.0;
 
@@ -115,7 +117,9 @@ fn share_followed(campaign: &Campaign, smooth: &[Option<Vec<f64>>], lambda: f64)
         return 0.0;
     }
     let kappa = ((explained - directions) / power).sqrt();
-    if kappa > 1.0 - 2.0 / power.sqrt() {
+    if kappa < LEAST {
+        0.0
+    } else if kappa > 1.0 - 2.0 / power.sqrt() {
         1.0
     } else {
         kappa
