@@ -172,17 +172,20 @@ fn nothing_is_found_where_nothing_is() {
     assert!(refused <= 1, "{judgements:?}");
 }
 
-/// The noise of a cell that records the load is no cause: what smooths it or shifts it would fit better.
+/// The noise of a cell that records the load is no cause: what smooths it or shifts it would fit better. A delay beside it is found.
 #[test]
 fn noise_of_a_load_cell_is_no_cause() {
-    let healthy = [Protocol::Speeds, Protocol::PaperAlternating];
-    let trials: Vec<Trial> = (SEED + 621..)
+    let healthy = [Protocol::Rich, Protocol::Speeds, Protocol::PaperAlternating];
+    let mut trials: Vec<Trial> = (SEED + 620..)
         .zip(healthy)
         .map(|(seed, protocol)| {
             let case = Case::nothing(protocol, NoiseKind::LoadCell, seed);
             trial(Group::Nothing, case, 0.0, None)
         })
         .collect();
+    let delayed = Case::nothing(Protocol::Rich, NoiseKind::LoadCell, SEED + 630);
+    let delayed = delayed.with("clock-offset", 1.0, false);
+    trials.push(trial(Group::Single, delayed, 5.0, None));
     assert_none(&complaints(&trials, &[Verdict::Right]));
 }
 

@@ -49,8 +49,8 @@ pub struct RunMotion {
     pub position_m: Vec<f64>,
     /// Distance slid since the start of the run, m.
     pub distance_m: Vec<f64>,
-    /// Normal load, N, without the noise of the cell (M2); 1 throughout where the campaign has no load channel (then the law gives the force itself), 0
-    /// where there is no contact.
+    /// Normal load, N, without the noise of its cell (M2, M3); 1 throughout where the campaign has no load channel (then the law gives the
+    /// force itself), 0 where there is no contact.
     pub load_n: Vec<f64>,
     /// Load that the run was set to, N; `None` without a load channel.
     pub nominal_load_n: Option<f64>,

@@ -15,8 +15,8 @@
 //! ```
 //!
 //! both in standard deviations of the noise; zero where that is no more than chance: a rig that truly shakes keeps its load. Nothing is lost
-//! where it is zero by mistake but that friction is told a little worse: no cause gains from it. Where the load runs away from z, as where it
-//! steps, it is taken as recorded.
+//! where it is zero by mistake but that friction is told a little worse: no cause gains from it. Where the load steps it is taken as
+//! recorded; a single wild reading is noise.
 
 use campaign::{Campaign, Protocol, Run};
 use nalgebra::{DMatrix, DVector};
@@ -50,35 +50,86 @@ pub(crate) fn without_noise(campaign: &Campaign) -> Option<(Vec<Option<Vec<f64>>
     let recorded: Vec<Option<&[f64]>> = campaign.runs.iter().map(recorded).collect();
     let loads: Vec<&[f64]> = recorded.iter().copied().flatten().collect();
     let samples: usize = loads.iter().map(|n| n.len()).sum();
-    if samples == 0 {
-        return None;
-    }
     let lambda = likeliest(&loads);
-    let smooth: Vec<Option<Vec<f64>>> = recorded
+    let courses: Vec<Option<Course<'_>>> = campaign
+        .runs
         .iter()
-        .map(|n| n.map(|n| smoothed(n, lambda)))
+        .zip(recorded)
+        .map(|(run, n)| n.map(|n| Course::new(n, &run.force_n, lambda)))
         .collect();
-    let beside: Vec<f64> = (recorded.iter().zip(&smooth))
-        .filter_map(|(n, z)| n.zip(z.as_ref()))
-        .flat_map(|(n, z)| n.iter().zip(z).map(|(n, z)| n - z))
-        .collect();
-    let mean = loads.iter().flat_map(|n| n.iter()).sum::<f64>() / samples as f64;
+    let of_runs = || courses.iter().flatten();
+    let beside: Vec<f64> = of_runs().flat_map(Course::beside).collect();
+    let mean = loads.iter().flat_map(|n| n.iter()).sum::<f64>() / samples.max(1) as f64;
     let sd_n = spread(&beside);
     if sd_n <= NONE * mean.abs() {
         return None;
     }
-    let kept = share_followed(campaign, &smooth, lambda);
-    let share = |rest: f64| if rest.abs() < FAR * sd_n { kept } else { 1.0 };
-    let mixed = |n: &[f64], z: &[f64]| -> Vec<f64> {
-        let both = n.iter().zip(z);
-        both.map(|(n, z)| z + share(n - z) * (n - z)).collect()
-    };
-    let loads = recorded
+    let kept = share_followed(of_runs());
+    let without = |course: &Course<'_>| course.with(kept, FAR * sd_n);
+    let loads = courses
         .iter()
-        .zip(&smooth)
-        .map(|(n, z)| n.zip(z.as_ref()).map(|(n, z)| mixed(n, z)))
+        .map(|course| course.as_ref().map(without))
         .collect();
     Some((loads, LoadNoise { sd_n, kept }))
+}
+
+/// A run's load as recorded and along its smooth course, and its force along its own.
+struct Course<'a> {
+    n: &'a [f64],
+    z: Vec<f64>,
+    force_n: &'a [f64],
+    smooth_force_n: Vec<f64>,
+}
+
+impl<'a> Course<'a> {
+    fn new(n: &'a [f64], force_n: &'a [f64], lambda: f64) -> Self {
+        Self {
+            n,
+            z: smoothed(n, lambda),
+            force_n,
+            smooth_force_n: smoothed(force_n, lambda),
+        }
+    }
+
+    /// N - z.
+    fn beside(&self) -> impl Iterator<Item = f64> {
+        self.n.iter().zip(&self.z).map(|(n, z)| n - z)
+    }
+
+    /// z + kappa (N - z); as recorded where two neighbours lie farther from z than `far`, which noise hardly does: there the load steps.
+    fn with(&self, kappa: f64, far: f64) -> Vec<f64> {
+        let beside: Vec<f64> = self.beside().collect();
+        let is_far = |i: usize| beside.get(i).is_some_and(|n| n.abs() > far);
+        let steps = |i: usize| is_far(i) && (is_far(i + 1) || i > 0 && is_far(i - 1));
+        (0..beside.len())
+            .map(|i| self.z[i] + if steps(i) { 1.0 } else { kappa } * beside[i])
+            .collect()
+    }
+
+    /// The rows of (M3): mu (N - z) at every shift, and the force beside the smoothed one, both over the standard deviation of the latter.
+    /// Samples in which the force runs away from the smoothed one (starts, reversals) are left out.
+    fn rows(&self) -> Vec<(DVector<f64>, f64)> {
+        let force = self.force_n.iter().zip(&self.smooth_force_n);
+        let rest: Vec<f64> = force.map(|(f, smooth)| f - smooth).collect();
+        let sd = spread(&rest);
+        if sd == 0.0 {
+            return Vec::new();
+        }
+        let mu = (self.smooth_force_n.iter().zip(&self.z))
+            .map(|(f, &z)| if z > 0.0 { f / z } else { 0.0 });
+        let shown: Vec<f64> = mu.zip(self.beside()).map(|(mu, n)| mu * n / sd).collect();
+        let (first, last) = (
+            *SHIFTS.end() as usize,
+            shown.len() as isize + SHIFTS.start(),
+        );
+        (first..last.max(0) as usize)
+            .filter(|&i| rest[i].abs() < FAR * sd)
+            .map(|i| {
+                let row = SHIFTS.map(|k| shown[(i as isize - k) as usize]);
+                (DVector::from_iterator(SHIFTS.count(), row), rest[i] / sd)
+            })
+            .collect()
+    }
 }
 
 /// Standard deviation by the median, as for normal noise: a few corners do not count.
@@ -98,17 +149,13 @@ fn recorded(run: &Run) -> Option<&[f64]> {
 
 /// kappa: of the power of what the cell shows the share that explains force, as an amplitude; zero where that is no more than chance, one
 /// where it is not plainly below.
-fn share_followed(campaign: &Campaign, smooth: &[Option<Vec<f64>>], lambda: f64) -> f64 {
+fn share_followed<'a>(courses: impl Iterator<Item = &'a Course<'a>>) -> f64 {
     let shifts = SHIFTS.count();
     let mut normal = DMatrix::<f64>::zeros(shifts, shifts);
     let mut right = DVector::<f64>::zeros(shifts);
-    for (run, z) in campaign.runs.iter().zip(smooth) {
-        if let (Some(n), Some(z)) = (recorded(run), z) {
-            for (row, force) in rows_of(&run.force_n, n, z, lambda) {
-                normal.ger(1.0, &row, &row, 1.0);
-                right.axpy(force, &row, 1.0);
-            }
-        }
+    for (row, force) in courses.flat_map(Course::rows) {
+        normal.ger(1.0, &row, &row, 1.0);
+        right.axpy(force, &row, 1.0);
     }
     let power = normal.trace() / shifts as f64;
     let (explained, directions) = explained(normal, &right);
@@ -135,33 +182,6 @@ fn explained(normal: DMatrix<f64>, right: &DVector<f64>) -> (f64, f64) {
         let along = eigen.eigenvectors.column(k).dot(right);
         (sum + along * along / eigen.eigenvalues[k], count + 1.0)
     })
-}
-
-/// The rows of (M3) of one run: mu (N - z) at every shift, and the force beside the smoothed one, both over the standard deviation of the
-/// latter. Samples in which the force runs away from the smoothed one (starts, reversals) are left out.
-fn rows_of(force_n: &[f64], n: &[f64], z: &[f64], lambda: f64) -> Vec<(DVector<f64>, f64)> {
-    let force = smoothed(force_n, lambda);
-    let rest: Vec<f64> = force_n.iter().zip(&force).map(|(f, s)| f - s).collect();
-    let sd = spread(&rest);
-    if sd == 0.0 {
-        return Vec::new();
-    }
-    let follows = |i: usize| {
-        if z[i] > 0.0 {
-            force[i] / z[i] * (n[i] - z[i])
-        } else {
-            0.0
-        }
-    };
-    let shown: Vec<f64> = (0..n.len()).map(|i| follows(i) / sd).collect();
-    let (first, last) = (*SHIFTS.end() as usize, n.len() as isize + SHIFTS.start());
-    (first..last.max(0) as usize)
-        .filter(|&i| rest[i].abs() < FAR * sd)
-        .map(|i| {
-            let row = SHIFTS.map(|k| shown[(i as isize - k) as usize]);
-            (DVector::from_iterator(SHIFTS.count(), row), rest[i] / sd)
-        })
-        .collect()
 }
 
 #[cfg(test)]
@@ -274,6 +294,22 @@ mod tests {
         let load = loads[2].as_ref().expect("recorded");
         assert!((load[299] - 5.0).abs() < 0.1 && (load[300] - 8.0).abs() < 0.1);
         assert!(miss(load, &step(2)) < miss(&cell(2), &step(2)));
+    }
+
+    /// Kept as recorded it would be a spike of friction.
+    #[test]
+    fn a_single_wild_reading_is_noise() {
+        let cell = |k: usize| {
+            let mut load = plus(course(k), 0.02, &noise(k as u64 + 1, 600));
+            load[400] += 0.2;
+            load
+        };
+        let (loads, taken) = without_noise(&campaign(course, cell)).expect("there is noise");
+        assert_eq!(taken.kept, 0.0);
+        for (k, load) in loads.iter().enumerate() {
+            let load = load.as_ref().expect("recorded");
+            assert!((load[400] - course(k)[400]).abs() < 0.03);
+        }
     }
 
     #[test]
