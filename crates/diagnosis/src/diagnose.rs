@@ -176,8 +176,8 @@ fn select_on_rows(
     let mut selected = select(short, &subset, Depth::Full, None)?;
     for _ in 0..SECOND_LOOKS {
         let named = selected.stand.fitted.effects.clone();
-        let moved = allow(short, &selected.stand.fitted);
-        if moved < ROWS_AGREE {
+        // Beside the law alone the rows were looked at first: what was found then has not stood.
+        if named.is_empty() || allow(short, &selected.stand.fitted) < ROWS_AGREE {
             break;
         }
         let warm = selected.warm();

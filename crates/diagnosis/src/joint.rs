@@ -115,7 +115,7 @@ impl Joint<'_, '_> {
             let deviance = self.stand.deviance_of(bench, subset, &fit);
             Some((fit, deviance))
         };
-        let mut fits: Vec<(Fitted, f64)> = from.iter().filter_map(fit).collect();
+        let mut fits: Vec<(Fitted, f64)> = from.par_iter().filter_map(fit).collect();
         fits.sort_by(|a, b| a.1.total_cmp(&b.1));
         fits
     }

@@ -3,11 +3,13 @@
 
 use std::sync::OnceLock;
 
+use rayon::prelude::*;
+
 use crate::bench::{Bench, Fitted};
 use crate::joint::{joint_fits, search_price, survivors};
 use crate::proposal::SURVIVORS;
 use crate::scan::{Candidate, Scan, scan, scan_period};
-use crate::selection::{Depth, Single};
+use crate::selection::{Depth, MOST_EFFECTS, Single};
 use crate::settled::{likely_scatter, settle};
 use crate::stand::Stand;
 use crate::subset::Subset;
@@ -62,13 +64,14 @@ pub(crate) fn look_back(
             }
         }
     }
-    // A fold starts from the causes that the whole campaign has settled on.
+    // A fold starts from the causes that the whole campaign has settled on; of so many that none is named only those count that have become
+    // idle.
     let best = match depth {
-        Depth::Full => {
+        Depth::Full if count < MOST_EFFECTS => {
             let pair = periods_again(bench, subset, pair, entry);
             exchange(bench, subset, pair, entry, threshold)?
         }
-        Depth::Fold => pair,
+        Depth::Full | Depth::Fold => pair,
     };
     drop_idle(bench, subset, best, entry, worth)
 }
@@ -151,15 +154,17 @@ fn exchange(
 ) -> Option<Stand> {
     for _ in 0..MOST_EXCHANGES {
         let own = |k: usize| search_price(bench, stand.fitted.effects[k]);
-        let mut best: Option<(f64, usize, Fitted, f64)> = None;
-        for k in 0..stand.fitted.effects.len() {
-            let Some((cause, fit, log_p)) = replacement(bench, subset, &stand, k, threshold) else {
-                continue;
-            };
+        let places = (0..stand.fitted.effects.len()).into_par_iter();
+        let replaced = places.map(|k| {
+            let (cause, fit, log_p) = replacement(bench, subset, &stand, k, threshold)?;
             let worth = stand.deviance_of(bench, subset, &fit) + search_price(bench, cause);
-            let saved = stand.deviance + own(k) - worth;
-            if best.as_ref().is_none_or(|b| saved > b.0) {
-                best = Some((saved, k, fit, log_p));
+            Some((stand.deviance + own(k) - worth, k, fit, log_p))
+        });
+        let replaced: Vec<Option<(f64, usize, Fitted, f64)>> = replaced.collect();
+        let mut best: Option<(f64, usize, Fitted, f64)> = None;
+        for other in replaced.into_iter().flatten() {
+            if best.as_ref().is_none_or(|b| other.0 > b.0) {
+                best = Some(other);
             }
         }
         let Some((_, k, fit, log_p)) = best.filter(|b| b.0 > EXCHANGE) else {
