@@ -35,6 +35,8 @@ pub(crate) struct Bench<'a> {
     pub(crate) step_n: Option<f64>,
     /// Recorded positions against recorded speeds.
     pub(crate) ways: Ways,
+    /// See [`crate::Options::told`].
+    pub(crate) told: Option<fn(&str)>,
 }
 
 /// The condition of each run of a campaign.
@@ -192,6 +194,13 @@ impl Residuals for Problem<'_> {
 }
 
 impl<'a> Bench<'a> {
+    /// Says how far the diagnosis has come, to whoever wants to be told.
+    pub(crate) fn tell(&self, how_far: impl FnOnce() -> String) {
+        if let Some(told) = self.told {
+            told(&how_far());
+        }
+    }
+
     /// Names of a subset's runs.
     pub(crate) fn run_names(&self, subset: &Subset) -> Vec<String> {
         let name = |&k: &usize| self.campaign.runs[k].name.clone();
@@ -322,6 +331,7 @@ impl<'a> Bench<'a> {
             masked: short.masked.clone(),
             step_n: self.step_n,
             ways: self.ways,
+            told: self.told,
         }
     }
 

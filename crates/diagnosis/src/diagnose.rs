@@ -41,6 +41,8 @@ pub struct Options {
     pub without: Vec<String>,
     /// Leave the gain by folds out.
     pub quick: bool,
+    /// Who is told how far a diagnosis has come, in a few words each time.
+    pub told: Option<fn(&str)>,
 }
 
 /// Why no diagnosis can be made.
@@ -250,6 +252,7 @@ fn complete(
     }
     answer.undecidable.extend(ties::lacking(bench));
     if options.model.is_none() {
+        bench.tell(|| "fitting the other laws".to_owned());
         answer.laws = laws::compare(bench, whole, selected);
         let own = answer.laws.iter().find(|l| l.law == answer.law);
         let behind = own.map_or(f64::NAN, |l| l.delta_aicc);

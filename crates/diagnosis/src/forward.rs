@@ -192,7 +192,18 @@ impl<'a, 'b> Forward<'a, 'b> {
         self.explained += proposal.drop;
         self.entry.push(proposal.log_p);
         self.take_in(round, next, threshold)?;
+        self.tell_what_is_in();
         Some(Went::On)
+    }
+
+    fn tell_what_is_in(&self) {
+        if let (Depth::Full, Some(stand)) = (self.depth, &self.chosen) {
+            self.bench.tell(|| {
+                let effects = stand.fitted.effects.iter();
+                let ids: Vec<&str> = effects.map(|&e| self.bench.catalogue[e].id()).collect();
+                format!("beside the law: {}", ids.join(", "))
+            });
+        }
     }
 
     /// Takes a cause in: lateness, the look back, its refined form.

@@ -144,6 +144,10 @@ pub(crate) fn judge(
         shifted,
         named,
     };
+    bench.tell(|| {
+        let count = folds.len();
+        format!("selecting and extending again without some runs, in {count} folds")
+    });
     let done: Vec<Option<Fold>> = folds
         .par_iter()
         .map(|held| fold(bench, whole, held, &asked))

@@ -199,5 +199,6 @@ fn with_law<'a>(bench: &Bench<'a>, law: LawKind) -> Option<Bench<'a>> {
         masked: bench.masked.clone(),
         step_n: bench.step_n,
         ways: bench.ways,
+        told: None,
     })
 }

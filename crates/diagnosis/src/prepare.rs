@@ -73,6 +73,7 @@ pub(crate) fn bench<'a>(
         campaign,
         samples,
         ways: Ways::of(&experiment),
+        told: options.told,
         experiment,
         law,
         catalogue,

@@ -131,6 +131,9 @@ pub(crate) fn select(
         .late_by(warm.map_or(Lateness::default(), |w| w.late))
         .turning(warm.is_some_and(|w| w.turns));
     let mut ground = baseline(bench, &subset, warm)?;
+    if depth == Depth::Full {
+        bench.tell(|| format!("law {} fitted alone; asking for causes", bench.law.id()));
+    }
     if warm.is_none() && subset.can_turn(bench) {
         // A disc or a plate without end: the likelier, by what the law leaves.
         let disc = subset.turning(true);

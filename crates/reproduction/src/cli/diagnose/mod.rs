@@ -22,6 +22,7 @@ pub(super) fn run(arguments: &DiagnoseArguments) -> Result<Outcome, Failure> {
     let options = Options {
         law,
         model,
+        told: Some(|how_far| say_aside!("{how_far}")),
         ..Options::default()
     };
     if arguments.design {
