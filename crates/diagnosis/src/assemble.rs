@@ -139,12 +139,18 @@ fn notes(whole: &Whole<'_>) -> Vec<String> {
                 .to_owned(),
         );
     }
-    let noise = whole.bench.experiment.load_noise;
-    if let Some(noise) = noise.filter(|noise| noise.kept < 1.0) {
+    let noise = whole.bench.experiment.channel_noise;
+    if let Some(load) = noise.load.filter(|load| load.kept < 1.0) {
         notes.push(format!(
             "the recorded load scatters by {:.2e} N about its course, and the friction follows {:.0} % of that: the rest is taken for noise of the load's channel",
-            noise.sd_n,
-            100.0 * noise.kept
+            load.sd_n,
+            100.0 * load.kept
+        ));
+    }
+    if let Some(sd_m_s) = noise.velocity_m_s {
+        notes.push(format!(
+            "the recorded velocity scatters by {sd_m_s:.2e} {} about its course: that is taken for noise of its channel",
+            unit_on_rig(whole.bench, "m/s")
         ));
     }
     for (spec, value) in whole.law.law_at_bounds() {

@@ -7,7 +7,7 @@ use friction::linear_stretches;
 
 use crate::Scales;
 use crate::bends::{bends, went_straight};
-use crate::load_noise::{LoadNoise, without_noise};
+use crate::channel_noise::{ChannelNoise, without_noise};
 
 /// Standard gravity, m/s^2 (exact by definition, 3rd CGPM 1901): turns a load that is a weight into a mass.
 pub const GRAVITY_M_S2: f64 = 9.806_65;
@@ -41,7 +41,7 @@ pub struct RunMotion {
     pub protocol: Protocol,
     /// Time since the run's own zero, s.
     pub time_s: Vec<f64>,
-    /// Stage velocity, m/s.
+    /// Stage velocity, m/s, without the noise of its channel (M2 to M4).
     pub velocity_m_s: Vec<f64>,
     /// dv/dt, m/s^2.
     pub acceleration_m_s2: Vec<f64>,
@@ -139,8 +139,8 @@ pub struct Experiment {
     pub runs: Vec<RunMotion>,
     /// Recorded force of all runs, one after the other, N (rotary N m).
     pub measured_n: Vec<f64>,
-    /// What the recorded loads show that is noise of their cell; `None` without such a record or without noise.
-    pub load_noise: Option<LoadNoise>,
+    /// What was taken from the recorded velocities and loads as noise of their channels.
+    pub channel_noise: ChannelNoise,
     /// Whether loads are recorded: friction is a coefficient times the load. Else the law gives the force itself.
     pub has_load: bool,
     /// Whether the order of the runs is known.
@@ -163,6 +163,7 @@ impl Experiment {
     /// # Errors
     /// A campaign in which nothing moves.
     pub fn new(campaign: &Campaign) -> Result<Self, ExperimentError> {
+        let (campaign, channel_noise) = without_noise(campaign);
         let fastest = campaign
             .runs
             .iter()
@@ -187,8 +188,6 @@ impl Experiment {
             .iter()
             .filter_map(|run| run.started_s)
             .fold(f64::INFINITY, f64::min);
-        let (loads, load_noise) = without_noise(campaign).unzip();
-        let mut loads = loads.unwrap_or_default().into_iter();
         let mut runs: Vec<RunMotion> = Vec::with_capacity(campaign.runs.len());
         let mut measured_n = Vec::new();
         let (mut slid, mut ended, mut heading) = (0.0, None, 0.0);
@@ -201,8 +200,7 @@ impl Experiment {
             } else {
                 None
             };
-            let load_n = loads.next().flatten();
-            let mut motion = prepare(run, load_n.as_ref(), has_load, fastest);
+            let mut motion = prepare(run, has_load, fastest);
             motion.samples = first..measured_n.len();
             motion.started_s = started_s;
             motion.rest_s = match (started_s, ended) {
@@ -238,7 +236,7 @@ impl Experiment {
             axis: campaign.axis,
             runs,
             measured_n,
-            load_noise,
+            channel_noise,
             has_load,
             has_order,
             has_clock,
@@ -314,13 +312,8 @@ fn reference_load(runs: &[RunMotion]) -> f64 {
     }
 }
 
-/// One run without its place among the others; `load_n`: the recorded load without noise, where there is any.
-fn prepare(
-    run: &campaign::Run,
-    load_n: Option<&Vec<f64>>,
-    has_load: bool,
-    fastest: f64,
-) -> RunMotion {
+/// One run without its place among the others.
+fn prepare(run: &campaign::Run, has_load: bool, fastest: f64) -> RunMotion {
     let n = run.time_s.len();
     let (t, v) = (&run.time_s, &run.velocity_m_s);
     let mut distance_m = vec![0.0; n];
@@ -344,7 +337,7 @@ fn prepare(
     } else if run.protocol == Protocol::Unloaded {
         vec![0.0; n]
     } else {
-        match load_n.or(run.normal_force_n.as_ref()) {
+        match &run.normal_force_n {
             Some(force) => force.clone(),
             None => vec![run.normal_load_n.unwrap_or(0.0); n],
         }

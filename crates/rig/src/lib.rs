@@ -11,12 +11,14 @@
 mod along;
 mod bends;
 mod chain;
+mod channel_noise;
 mod contact;
 mod cord;
 mod driven;
 mod effect;
 mod experiment;
 mod factorised;
+mod followed;
 mod jacobian;
 mod load_noise;
 mod model;
@@ -26,8 +28,10 @@ mod scales;
 pub mod second_order;
 pub mod signal;
 mod station;
+mod velocity_noise;
 mod whittaker;
 
+pub use channel_noise::ChannelNoise;
 pub use contact::Paths;
 pub use cord::Coupling;
 pub use effect::{Cause, ChainScalar, Follows, Hook, Hooks, Place, Reach, Reported, Requirement};

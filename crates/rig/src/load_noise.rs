@@ -7,11 +7,10 @@
 //! N <- z + kappa (N - z),   z the smooth course of N (M2)
 //! ```
 //!
-//! kappa is the share of what the cell shows beyond z that friction follows,
+//! kappa is the share of what the cell shows beyond z that friction follows (M3), x = mu (N - z),
 //!
 //! ```text
-//! F_i - (smoothed F)_i = sum_k b_k mu_{i-k} (N - z)_{i-k} + noise                                         (M3)
-//! kappa^2 = sum of squares that the b_k explain, less one a b_k, over that of mu (N - z)
+//! kappa^2 = sum of squares that the b_k explain, less one a b_k, over that of x
 //! ```
 //!
 //! both in standard deviations of the noise; zero where that is no more than chance: a rig that truly shakes keeps its load. Nothing is lost
@@ -19,21 +18,17 @@
 //! recorded; a single wild reading is noise.
 
 use campaign::{Campaign, Protocol, Run};
-use nalgebra::{DMatrix, DVector};
 
-use crate::whittaker::{likeliest, smoothed};
+use crate::followed::Followed;
+use crate::whittaker::{likeliest, smooth, spread};
 
 /// Noise below this share of the mean load is none.
 const NONE: f64 = 1e-6;
 /// Shorter runs are left as recorded.
 const SHORTEST: usize = 16;
-/// Samples by which the force may be recorded early or late.
-const SHIFTS: std::ops::RangeInclusive<isize> = -4..=12;
-/// Standard deviations of a chi-squared from which friction plainly follows what the cell shows.
-const PLAIN: f64 = 12.0;
 /// Share of it below which friction does not follow: a small share by mistake would bring noise back.
 const LEAST: f64 = 0.3;
-/// Standard deviations from which a series runs away from the smooth one: a corner of the load, a start or a reversal of the force.
+/// Standard deviations from which a load runs away from its smooth course.
 const FAR: f64 = 4.0;
 
 /// What was taken from the recorded loads.
@@ -50,7 +45,7 @@ pub(crate) fn without_noise(campaign: &Campaign) -> Option<(Vec<Option<Vec<f64>>
     let recorded: Vec<Option<&[f64]>> = campaign.runs.iter().map(recorded).collect();
     let loads: Vec<&[f64]> = recorded.iter().copied().flatten().collect();
     let samples: usize = loads.iter().map(|n| n.len()).sum();
-    let lambda = likeliest(&loads);
+    let lambda = likeliest(&loads, smooth);
     let courses: Vec<Option<Course<'_>>> = campaign
         .runs
         .iter()
@@ -85,9 +80,9 @@ impl<'a> Course<'a> {
     fn new(n: &'a [f64], force_n: &'a [f64], lambda: f64) -> Self {
         Self {
             n,
-            z: smoothed(n, lambda),
+            z: smooth(n, lambda).z,
             force_n,
-            smooth_force_n: smoothed(force_n, lambda),
+            smooth_force_n: smooth(force_n, lambda).z,
         }
     }
 
@@ -106,39 +101,12 @@ impl<'a> Course<'a> {
             .collect()
     }
 
-    /// The rows of (M3): mu (N - z) at every shift, and the force beside the smoothed one, both over the standard deviation of the latter.
-    /// Samples in which the force runs away from the smoothed one (starts, reversals) are left out.
-    fn rows(&self) -> Vec<(DVector<f64>, f64)> {
-        let force = self.force_n.iter().zip(&self.smooth_force_n);
-        let rest: Vec<f64> = force.map(|(f, smooth)| f - smooth).collect();
-        let sd = spread(&rest);
-        if sd == 0.0 {
-            return Vec::new();
-        }
+    /// What friction would follow, mu (N - z), N.
+    fn shown_n(&self) -> Vec<f64> {
         let mu = (self.smooth_force_n.iter().zip(&self.z))
             .map(|(f, &z)| if z > 0.0 { f / z } else { 0.0 });
-        let shown: Vec<f64> = mu.zip(self.beside()).map(|(mu, n)| mu * n / sd).collect();
-        let (first, last) = (
-            *SHIFTS.end() as usize,
-            shown.len() as isize + SHIFTS.start(),
-        );
-        (first..last.max(0) as usize)
-            .filter(|&i| rest[i].abs() < FAR * sd)
-            .map(|i| {
-                let row = SHIFTS.map(|k| shown[(i as isize - k) as usize]);
-                (DVector::from_iterator(SHIFTS.count(), row), rest[i] / sd)
-            })
-            .collect()
+        mu.zip(self.beside()).map(|(mu, n)| mu * n).collect()
     }
-}
-
-/// Standard deviation by the median, as for normal noise: a few corners do not count.
-fn spread(rest: &[f64]) -> f64 {
-    let mut sizes: Vec<f64> = rest.iter().map(|r| r.abs()).collect();
-    sizes.sort_by(f64::total_cmp);
-    sizes
-        .get(sizes.len() / 2)
-        .map_or(0.0, |median| 1.4826 * median)
 }
 
 /// The load that a run in contact records, where it is long enough.
@@ -150,48 +118,31 @@ fn recorded(run: &Run) -> Option<&[f64]> {
 /// kappa: of the power of what the cell shows the share that explains force, as an amplitude; zero where that is no more than chance, one
 /// where it is not plainly below.
 fn share_followed<'a>(courses: impl Iterator<Item = &'a Course<'a>>) -> f64 {
-    let shifts = SHIFTS.count();
-    let mut normal = DMatrix::<f64>::zeros(shifts, shifts);
-    let mut right = DVector::<f64>::zeros(shifts);
-    for (row, force) in courses.flat_map(Course::rows) {
-        normal.ger(1.0, &row, &row, 1.0);
-        right.axpy(force, &row, 1.0);
+    let mut followed = Followed::default();
+    for course in courses {
+        followed.add(&course.shown_n(), course.force_n, &course.smooth_force_n);
     }
-    let power = normal.trace() / shifts as f64;
-    let (explained, directions) = explained(normal, &right);
-    let chance = directions + PLAIN * (2.0 * directions).sqrt();
-    if explained <= chance {
-        return 0.0;
-    }
-    let kappa = ((explained - directions) / power).sqrt();
+    let kappa = followed.share();
     if kappa < LEAST {
         0.0
-    } else if kappa > 1.0 - 2.0 / power.sqrt() {
+    } else if kappa > 1.0 - 2.0 / followed.power().sqrt() {
         1.0
     } else {
         kappa
     }
 }
 
-/// What the b_k of (M3) explain, and how many directions of theirs the record knows: a load that shakes at one frequency has two.
-fn explained(normal: DMatrix<f64>, right: &DVector<f64>) -> (f64, f64) {
-    let eigen = normal.symmetric_eigen();
-    let largest = eigen.eigenvalues.max();
-    let known = (0..right.len()).filter(|&k| eigen.eigenvalues[k] > 1e-9 * largest);
-    known.fold((0.0, 0.0), |(sum, count), k| {
-        let along = eigen.eigenvectors.column(k).dot(right);
-        (sum + along * along / eigen.eigenvalues[k], count + 1.0)
-    })
-}
-
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::whittaker::tests::{miss, noise};
     use campaign::{Axis, Direction, InitialState, Provenance, RigData, Specimen};
 
     /// Four runs of 600 samples that slide at one speed under a load with a slow wave: friction 0.3 of `real`, a sensor's noise of 4 mN.
-    fn campaign(real: impl Fn(usize) -> Vec<f64>, shown: impl Fn(usize) -> Vec<f64>) -> Campaign {
+    pub(crate) fn campaign(
+        real: impl Fn(usize) -> Vec<f64>,
+        shown: impl Fn(usize) -> Vec<f64>,
+    ) -> Campaign {
         let n = 600;
         let runs = (0..4).map(|k| {
             let sensor = noise(90 + k as u64, n);
