@@ -189,6 +189,27 @@ fn noise_of_a_load_cell_is_no_cause() {
     assert_none(&complaints(&trials, &[Verdict::Right]));
 }
 
+/// Nor is the noise of the velocity channel, half a thousandth of the largest speed.
+#[test]
+fn noise_of_an_encoder_is_no_cause() {
+    let healthy = [Protocol::Rich, Protocol::Loads, Protocol::PaperAlternating];
+    let mut trials: Vec<Trial> = (SEED + 640..)
+        .zip(healthy)
+        .map(|(seed, protocol)| {
+            let case = Case::nothing(protocol, NoiseKind::Encoder, seed);
+            trial(Group::Nothing, case, 0.0, None)
+        })
+        .collect();
+    let worn = Case::nothing(Protocol::Rich, NoiseKind::Encoder, SEED + 650);
+    trials.push(trial(
+        Group::Single,
+        worn.with("wear", 1.0, false),
+        5.0,
+        None,
+    ));
+    assert_none(&complaints(&trials, &[Verdict::Right]));
+}
+
 /// What no cause of the catalogue makes is reported as unexplained, without a name. A lean that rocks at random times is, at five
 /// thresholds of one who knows the times, no larger than the roughness: there it may be missed, but not named.
 #[test]

@@ -62,6 +62,8 @@ pub enum NoiseKind {
     SmoothRoughness,
     /// As usual; the load is recorded, by a cell with noise.
     LoadCell,
+    /// As usual; the velocity channel has noise.
+    Encoder,
     /// None at all, for comparisons of simulators.
     None,
 }
@@ -88,6 +90,7 @@ impl NoiseKind {
             Self::PlateRoughness => "plate-roughness",
             Self::SmoothRoughness => "smooth-roughness",
             Self::LoadCell => "load-cell",
+            Self::Encoder => "encoder",
             Self::None => "none",
         }
     }
@@ -102,6 +105,7 @@ impl NoiseKind {
             sensor_n: accuracy_percent / 100.0 * full_scale_n,
             scatter: 0.01,
             load_cell: 0.0,
+            encoder: 0.0,
             tails: Tails::Normal,
             grain: Grain::Rough,
         };
@@ -133,6 +137,10 @@ impl NoiseKind {
             },
             Self::LoadCell => Noise {
                 load_cell: 0.005,
+                ..usual
+            },
+            Self::Encoder => Noise {
+                encoder: 0.0005,
                 ..usual
             },
             Self::None => Noise {

@@ -66,7 +66,22 @@ pub fn run_day(rig: &Rig, plan: &Plan, noise: &Noise, seed: u64) -> Vec<Recordin
             &mut history,
         ));
     }
+    read_velocities(&mut recordings, noise, seed);
     recordings
+}
+
+/// What an encoder with noise says of a stage that moves as it was told.
+fn read_velocities(recordings: &mut [Recording], noise: &Noise, seed: u64) {
+    if noise.encoder == 0.0 {
+        return;
+    }
+    let speeds = recordings.iter().flat_map(|r| &r.velocity_m_s);
+    let sd = noise.encoder * speeds.fold(0.0_f64, |a, v| a.max(v.abs()));
+    for (index, recording) in (1_u64..).zip(recordings) {
+        let mut generator = stream(seed, 16 * index + 7);
+        let moving = recording.velocity_m_s.iter_mut().filter(|v| **v != 0.0);
+        moving.for_each(|v| *v += sd * Tails::Normal.draw(&mut generator));
+    }
 }
 
 /// The rig with the specimen of a run.

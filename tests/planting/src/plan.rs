@@ -72,6 +72,8 @@ pub struct Noise {
     pub scatter: f64,
     /// Standard deviation of the white noise of the cell that records the load, as a share of the load; zero: no load is recorded.
     pub load_cell: f64,
+    /// Standard deviation of the white noise of the velocity channel while the stage moves, as a share of the day's largest speed.
+    pub encoder: f64,
     /// Tails of roughness and sensor noise.
     pub tails: crate::roughness::Tails,
     /// How smooth the roughness is.
@@ -87,6 +89,7 @@ impl Noise {
         sensor_n: 0.0,
         scatter: 0.0,
         load_cell: 0.0,
+        encoder: 0.0,
         tails: crate::roughness::Tails::Normal,
         grain: crate::roughness::Grain::Rough,
     };

@@ -174,6 +174,7 @@ impl Recipe {
                 * self.choices.noise.sensor_full_scale_n,
             scatter: self.choices.noise.scatter_percent / 100.0,
             load_cell: 0.0,
+            encoder: 0.0,
             tails: Tails::Normal,
             grain: Grain::Rough,
         })
