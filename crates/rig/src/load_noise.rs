@@ -7,15 +7,14 @@
 //! N <- z + kappa (N - z),   z the smooth course of N (M2)
 //! ```
 //!
-//! kappa is the share of what the cell shows beyond z that friction follows (M3), x = mu (N - z),
+//! kappa is the share of what the cell shows beyond z that friction follows: with x = mu (N - z) in (M3)
 //!
 //! ```text
 //! kappa^2 = sum of squares that the b_k explain, less one a b_k, over that of x
 //! ```
 //!
-//! both in standard deviations of the noise; zero where that is no more than chance: a rig that truly shakes keeps its load. Nothing is lost
-//! where it is zero by mistake but that friction is told a little worse: no cause gains from it. Where the load steps it is taken as
-//! recorded; a single wild reading is noise.
+//! and zero where that is no more than chance: a rig that truly shakes keeps its load. Nothing is lost where it is zero by mistake but that
+//! friction is told a little worse: no cause gains from it. Where the load steps it is taken as recorded; a single wild reading is noise.
 
 use campaign::{Campaign, Protocol, Run};
 
@@ -26,7 +25,7 @@ use crate::whittaker::{likeliest, smooth, spread};
 const NONE: f64 = 1e-6;
 /// Shorter runs are left as recorded.
 const SHORTEST: usize = 16;
-/// Share of it below which friction does not follow: a small share by mistake would bring noise back.
+/// Share of what the cell shows below which friction does not follow it: a small share by mistake would bring noise back.
 const LEAST: f64 = 0.3;
 /// Standard deviations from which a load runs away from its smooth course.
 const FAR: f64 = 4.0;
@@ -46,37 +45,37 @@ pub(crate) fn without_noise(campaign: &Campaign) -> Option<(Vec<Option<Vec<f64>>
     let loads: Vec<&[f64]> = recorded.iter().copied().flatten().collect();
     let samples: usize = loads.iter().map(|n| n.len()).sum();
     let lambda = likeliest(&loads, smooth);
-    let courses: Vec<Option<Course<'_>>> = campaign
+    let cells: Vec<Option<Cell<'_>>> = campaign
         .runs
         .iter()
         .zip(recorded)
-        .map(|(run, n)| n.map(|n| Course::new(n, &run.force_n, lambda)))
+        .map(|(run, n)| n.map(|n| Cell::new(n, &run.force_n, lambda)))
         .collect();
-    let of_runs = || courses.iter().flatten();
-    let beside: Vec<f64> = of_runs().flat_map(Course::beside).collect();
+    let of_runs = || cells.iter().flatten();
+    let beside: Vec<f64> = of_runs().flat_map(Cell::beside).collect();
     let mean = loads.iter().flat_map(|n| n.iter()).sum::<f64>() / samples.max(1) as f64;
     let sd_n = spread(&beside);
     if sd_n <= NONE * mean.abs() {
         return None;
     }
     let kept = share_followed(of_runs());
-    let without = |course: &Course<'_>| course.with(kept, FAR * sd_n);
-    let loads = courses
+    let without = |cell: &Cell<'_>| cell.with(kept, FAR * sd_n);
+    let loads = cells
         .iter()
-        .map(|course| course.as_ref().map(without))
+        .map(|cell| cell.as_ref().map(without))
         .collect();
     Some((loads, LoadNoise { sd_n, kept }))
 }
 
 /// A run's load as recorded and along its smooth course, and its force along its own.
-struct Course<'a> {
+struct Cell<'a> {
     n: &'a [f64],
     z: Vec<f64>,
     force_n: &'a [f64],
     smooth_force_n: Vec<f64>,
 }
 
-impl<'a> Course<'a> {
+impl<'a> Cell<'a> {
     fn new(n: &'a [f64], force_n: &'a [f64], lambda: f64) -> Self {
         Self {
             n,
@@ -117,10 +116,10 @@ fn recorded(run: &Run) -> Option<&[f64]> {
 
 /// kappa: of the power of what the cell shows the share that explains force, as an amplitude; zero where that is no more than chance, one
 /// where it is not plainly below.
-fn share_followed<'a>(courses: impl Iterator<Item = &'a Course<'a>>) -> f64 {
+fn share_followed<'a>(cells: impl Iterator<Item = &'a Cell<'a>>) -> f64 {
     let mut followed = Followed::default();
-    for course in courses {
-        followed.add(&course.shown_n(), course.force_n, &course.smooth_force_n);
+    for cell in cells {
+        followed.add(&cell.shown_n(), cell.force_n, &cell.smooth_force_n);
     }
     let kappa = followed.share();
     if kappa < LEAST {
