@@ -176,16 +176,7 @@ fn nothing_is_found_where_nothing_is() {
 #[test]
 fn noise_of_a_load_cell_is_no_cause() {
     let healthy = [Protocol::Rich, Protocol::Speeds, Protocol::PaperAlternating];
-    let mut trials: Vec<Trial> = (SEED + 620..)
-        .zip(healthy)
-        .map(|(seed, protocol)| {
-            let case = Case::nothing(protocol, NoiseKind::LoadCell, seed);
-            trial(Group::Nothing, case, 0.0, None)
-        })
-        .collect();
-    let delayed = Case::nothing(Protocol::Rich, NoiseKind::LoadCell, SEED + 630);
-    let delayed = delayed.with("clock-offset", 1.0, false);
-    trials.push(trial(Group::Single, delayed, 5.0, None));
+    let trials = beside_channel_noise(NoiseKind::LoadCell, SEED + 620, healthy, "clock-offset");
     assert_none(&complaints(&trials, &[Verdict::Right]));
 }
 
@@ -193,21 +184,24 @@ fn noise_of_a_load_cell_is_no_cause() {
 #[test]
 fn noise_of_an_encoder_is_no_cause() {
     let healthy = [Protocol::Rich, Protocol::Loads, Protocol::PaperAlternating];
-    let mut trials: Vec<Trial> = (SEED + 640..)
-        .zip(healthy)
-        .map(|(seed, protocol)| {
-            let case = Case::nothing(protocol, NoiseKind::Encoder, seed);
-            trial(Group::Nothing, case, 0.0, None)
-        })
-        .collect();
-    let worn = Case::nothing(Protocol::Rich, NoiseKind::Encoder, SEED + 650);
-    trials.push(trial(
-        Group::Single,
-        worn.with("wear", 1.0, false),
-        5.0,
-        None,
-    ));
+    let trials = beside_channel_noise(NoiseKind::Encoder, SEED + 640, healthy, "wear");
     assert_none(&complaints(&trials, &[Verdict::Right]));
+}
+
+/// Nothing planted on these protocols, and one cause of five thresholds on a rich day, with a channel that has noise.
+fn beside_channel_noise(
+    noise: NoiseKind,
+    seed: u64,
+    healthy: [Protocol; 3],
+    planted: &str,
+) -> Vec<Trial> {
+    let nothing = (seed..).zip(healthy).map(|(seed, protocol)| {
+        let case = Case::nothing(protocol, noise, seed);
+        trial(Group::Nothing, case, 0.0, None)
+    });
+    let one = Case::nothing(Protocol::Rich, noise, seed + 10).with(planted, 1.0, false);
+    let one = trial(Group::Single, one, 5.0, None);
+    nothing.chain([one]).collect()
 }
 
 /// What no cause of the catalogue makes is reported as unexplained, without a name. A lean that rocks at random times is, at five

@@ -101,6 +101,12 @@ impl Fitted {
         self.with_own(k, &[])
     }
 
+    /// The ids of the named causes, in their order.
+    pub(crate) fn ids(&self, bench: &Bench<'_>) -> Vec<&'static str> {
+        let effects = self.effects.iter();
+        effects.map(|&e| bench.catalogue[e].id()).collect()
+    }
+
     /// Whether the model holds a cause, in this form or another one.
     pub(crate) fn names(&self, bench: &Bench<'_>, cause: usize) -> bool {
         let id = bench.catalogue[cause].id();

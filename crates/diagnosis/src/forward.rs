@@ -198,11 +198,8 @@ impl<'a, 'b> Forward<'a, 'b> {
 
     fn tell_what_is_in(&self) {
         if let (Depth::Full, Some(stand)) = (self.depth, &self.chosen) {
-            self.bench.tell(|| {
-                let effects = stand.fitted.effects.iter();
-                let ids: Vec<&str> = effects.map(|&e| self.bench.catalogue[e].id()).collect();
-                format!("beside the law: {}", ids.join(", "))
-            });
+            let bench = self.bench;
+            bench.tell(|| format!("beside the law: {}", stand.fitted.ids(bench).join(", ")));
         }
     }
 

@@ -155,18 +155,15 @@ fn exchange(
     for _ in 0..MOST_EXCHANGES {
         let own = |k: usize| search_price(bench, stand.fitted.effects[k]);
         let places = (0..stand.fitted.effects.len()).into_par_iter();
-        let replaced = places.map(|k| {
+        let replaced = places.filter_map(|k| {
             let (cause, fit, log_p) = replacement(bench, subset, &stand, k, threshold)?;
             let worth = stand.deviance_of(bench, subset, &fit) + search_price(bench, cause);
             Some((stand.deviance + own(k) - worth, k, fit, log_p))
         });
-        let replaced: Vec<Option<(f64, usize, Fitted, f64)>> = replaced.collect();
-        let mut best: Option<(f64, usize, Fitted, f64)> = None;
-        for other in replaced.into_iter().flatten() {
-            if best.as_ref().is_none_or(|b| other.0 > b.0) {
-                best = Some(other);
-            }
-        }
+        let replaced: Vec<(f64, usize, Fitted, f64)> = replaced.collect();
+        let best = replaced
+            .into_iter()
+            .reduce(|best, other| if other.0 > best.0 { other } else { best });
         let Some((_, k, fit, log_p)) = best.filter(|b| b.0 > EXCHANGE) else {
             break;
         };

@@ -63,9 +63,7 @@ pub(crate) fn refuse_beaten(
 
 /// Keeps for the reader why the causes that are named until now will not be.
 fn say_why(bench: &Bench<'_>, selected: &mut Selected, why: &str) {
-    let effects = selected.stand.fitted.effects.iter();
-    let ids: Vec<&str> = effects.map(|&e| bench.catalogue[e].id()).collect();
-    let named = ids.join(" with ");
+    let named = selected.stand.fitted.ids(bench).join(" with ");
     selected.refused.push(format!("{named} {why}: not named"));
 }
 

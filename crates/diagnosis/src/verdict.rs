@@ -79,12 +79,8 @@ impl<'a> Verdict<'a> {
         let Some(against) = gains.as_ref().and_then(Gains::speak_against) else {
             return (gains, None);
         };
-        let named = self.selected.stand.fitted.effects.iter();
-        let causes: Vec<&str> = named.map(|&e| self.searched.catalogue[e].id()).collect();
-        let taken = format!(
-            "on unseen runs the extension by {} {against}: it is not named",
-            causes.join(", ")
-        );
+        let causes = self.selected.stand.fitted.ids(self.searched).join(", ");
+        let taken = format!("on unseen runs the extension by {causes} {against}: it is not named");
         self.take_all_back();
         (gains.map(Gains::of_the_law), Some(taken))
     }

@@ -19,12 +19,10 @@
 use campaign::{Campaign, Protocol, Run};
 
 use crate::followed::Followed;
-use crate::whittaker::{likeliest, smooth, spread};
+use crate::whittaker::{SHORTEST, likeliest, smooth, spread};
 
 /// Noise below this share of the mean load is none.
 const NONE: f64 = 1e-6;
-/// Shorter runs are left as recorded.
-const SHORTEST: usize = 16;
 /// Share of what the cell shows below which friction does not follow it: a small share by mistake would bring noise back.
 const LEAST: f64 = 0.3;
 /// Standard deviations from which a load runs away from its smooth course.

@@ -8,15 +8,13 @@
 use campaign::{Campaign, Run};
 
 use crate::followed::Followed;
-use crate::whittaker::{Course, cornered, likeliest, smooth, spread};
+use crate::whittaker::{Course, SHORTEST, cornered, likeliest, smooth, spread};
 
 /// Noise below this share of the largest speed is none.
 const NONE: f64 = 1e-5;
 /// Share of neighbours on different sides of the course from which they alternate as noise does (one half, and more beside a course that
 /// follows it).
 const ALTERNATES: f64 = 0.45;
-/// Shorter runs are left as recorded.
-const SHORTEST: usize = 16;
 /// Runs that the smoothness is chosen by, evenly among all.
 const CHOSEN_BY: usize = 64;
 

@@ -13,6 +13,8 @@
 //!
 //! where the course also passes through whatever is exactly zero: a stage that stands has no noise.
 
+/// Samples of a series; shorter ones have no course and are left as recorded.
+pub(crate) const SHORTEST: usize = 16;
 /// Smoothness asked for: lambda = 4^0 to 4^10, which pass waves longer than some 6 to 200 samples.
 const SMOOTHEST: i32 = 10;
 /// Standard deviations of second differences beyond which one is a corner.
