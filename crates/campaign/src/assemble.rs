@@ -11,12 +11,28 @@ use crate::units::{Conversion, Quantity};
 /// An encoder at rest reads a little of the wrong sign: so much of the run's largest speed contradicts no direction.
 /// The same share within which the contract calls two commanded velocities equal.
 const SPEED_NOISE: f64 = 0.01;
+/// Standard deviations of its own noise that a slow run may read of the wrong sign, and the share of its largest speed which that never exceeds.
+const OWN_NOISE: f64 = 6.0;
+const MOST_NOISE: f64 = 0.05;
 
 /// A column that the program reads: its place in the header and its way to SI units.
 struct Reading {
     name: String,
     index: usize,
     conversion: Conversion,
+}
+
+/// Standard deviation of white noise on a smooth series, by the median of its third differences (of unit noise their variance is twenty).
+fn noise(series: &[f64]) -> f64 {
+    let third = |v: &[f64]| (v[3] - 3.0 * v[2] + 3.0 * v[1] - v[0]).abs();
+    let mut thirds: Vec<f64> = series.windows(4).map(third).collect();
+    let middle = thirds.len() / 2;
+    match thirds.is_empty() {
+        true => 0.0,
+        false => {
+            1.4826 / 20.0_f64.sqrt() * *thirds.select_nth_unstable_by(middle, f64::total_cmp).1
+        }
+    }
 }
 
 /// One checked run.
@@ -217,9 +233,11 @@ impl Table<'_> {
         let largest = velocity
             .iter()
             .fold(0.0_f64, |largest, v| largest.max(v.abs()));
+        let allowed =
+            (OWN_NOISE * noise(velocity)).clamp(SPEED_NOISE * largest, MOST_NOISE * largest);
         let wrong = |v: f64| match direction {
-            Direction::Forward => v < -SPEED_NOISE * largest,
-            Direction::Reverse => v > SPEED_NOISE * largest,
+            Direction::Forward => v < -allowed,
+            Direction::Reverse => v > allowed,
             Direction::Both => false,
         };
         match velocity.iter().position(|v| wrong(*v)) {

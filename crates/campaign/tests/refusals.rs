@@ -136,6 +136,29 @@ fn cells() {
     }
 }
 
+/// An encoder that scatters by 0.8 mm/s reads -1.2 mm/s at rest, 2 % of the run's largest speed; the same reading beside a clean ramp
+/// is a motion, and so is three times as much beside noise.
+#[test]
+fn an_encoders_noise_contradicts_no_direction() {
+    let recorded = |at_rest: &str| {
+        let noise = [-1.2, 0.8, -0.5, 1.1, -0.9, 0.3, 0.7, -0.6];
+        let mut text = format!("time_s,velocity_mm_s,force_n\n0,{at_rest},1.5\n");
+        for sample in 1..30_usize {
+            let v = 2.0 * sample as f64 + noise[sample % noise.len()];
+            text += &format!("{},{v},1.5\n", sample as f64 / 8.0);
+        }
+        Package::new().file(text.as_bytes())
+    };
+    assert_eq!(recorded("-1.2").open().unwrap().runs.len(), 2);
+    let contradicts = |v: &str| {
+        format!(
+            "{FILE}, row 2, column velocity_mm_s: the direction is `forward`, but the velocity is -0.00{v} m/s"
+        )
+    };
+    refused(&recorded("-3.6"), &contradicts("36"));
+    refused(&Package::new().line(2, "0,-1.2,1.5"), &contradicts("12"));
+}
+
 #[test]
 fn headers() {
     let header = |text: &str| Package::new().line(1, text);

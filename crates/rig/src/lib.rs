@@ -12,6 +12,7 @@ mod along;
 mod bends;
 mod chain;
 mod channel_noise;
+mod commands;
 mod contact;
 mod cord;
 mod driven;

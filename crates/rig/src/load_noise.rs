@@ -42,7 +42,7 @@ pub(crate) fn without_noise(campaign: &Campaign) -> Option<(Vec<Option<Vec<f64>>
     let recorded: Vec<Option<&[f64]>> = campaign.runs.iter().map(recorded).collect();
     let loads: Vec<&[f64]> = recorded.iter().copied().flatten().collect();
     let samples: usize = loads.iter().map(|n| n.len()).sum();
-    let lambda = likeliest(&loads, smooth);
+    let lambda = likeliest(&loads, |n, lambda| smooth(n, lambda).left_of(n));
     let cells: Vec<Option<Cell<'_>>> = campaign
         .runs
         .iter()

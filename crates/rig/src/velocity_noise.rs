@@ -2,20 +2,23 @@
 //!
 //! An encoder's noise is in the velocity as recorded and not in the motion: a prediction from it carries the noise by the viscous part of
 //! friction and by its starts, and whatever smooths it or moves it in time fits better and is no cause. A velocity with noise is taken along its
-//! smooth course with corners (M2, M4). A motion without noise, however bent, is left as recorded: about its course it does not alternate
+//! smooth course with corners (M2, M4), which all runs of one command share. A motion without noise, however bent, is left as recorded: about its course it does not alternate
 //! from sample to sample as noise does. So is one whose shaking friction follows (M3), and a stage that stands stands.
 
 use campaign::{Campaign, Run};
 
+use crate::commands::Command;
 use crate::followed::Followed;
-use crate::whittaker::{Course, SHORTEST, cornered, likeliest, smooth, spread};
+use crate::whittaker::{SHORTEST, likeliest, smooth, spread};
 
 /// Noise below this share of the largest speed is none.
 const NONE: f64 = 1e-5;
 /// Share of neighbours on different sides of the course from which they alternate as noise does (one half, and more beside a course that
 /// follows it).
 const ALTERNATES: f64 = 0.45;
-/// Runs that the smoothness is chosen by, evenly among all.
+/// Smoothness of the course that the force is seen beside, which passes waves longer than some 18 samples: a smoother one rings at the corners.
+const OF_FORCE: f64 = 64.0;
+/// Commands that the smoothness is chosen by, evenly among all.
 const CHOSEN_BY: usize = 64;
 
 /// Velocities of all runs along their courses, and the standard deviation of what was taken, m/s; `None` where they have no noise, or what they
@@ -24,22 +27,22 @@ pub(crate) fn without_noise(campaign: &Campaign) -> Option<(Vec<Vec<f64>>, f64)>
     let speeds = campaign.runs.iter().flat_map(|run| &run.velocity_m_s);
     let least = NONE * speeds.fold(0.0_f64, |a, v| a.max(v.abs()));
     let asked: Vec<&Run> = campaign.runs.iter().filter(|run| is_long(run)).collect();
-    if thirds(&asked) <= least {
+    let sd_m_s = thirds(&asked);
+    if sd_m_s <= least {
         return None;
     }
-    let stride = asked.len().div_ceil(CHOSEN_BY);
-    let chosen: Vec<&[f64]> = (asked.iter().step_by(stride))
-        .map(|run| &run.velocity_m_s[..])
-        .collect();
-    let lambda = likeliest(&chosen, cornered);
-    let taken: Vec<Vec<f64>> = campaign
-        .runs
-        .iter()
-        .map(|run| along_its_course(run, lambda))
-        .collect();
+    let commands = Command::all(campaign, is_long, sd_m_s);
+    let stride = commands.len().div_ceil(CHOSEN_BY);
+    let chosen: Vec<&Command<'_>> = commands.iter().step_by(stride).collect();
+    let lambda = likeliest(&chosen, |command, lambda| command.left(lambda));
+    let recorded = campaign.runs.iter().map(|run| run.velocity_m_s.clone());
+    let mut taken: Vec<Vec<f64>> = recorded.collect();
+    for (index, course) in commands.iter().flat_map(|command| command.along(lambda)) {
+        taken[index] = course;
+    }
     let beside: Vec<Vec<f64>> = campaign.runs.iter().zip(&taken).map(moving).collect();
     let sd_m_s = spread(&beside.concat());
-    (sd_m_s > least && alternates(&beside) && !is_followed(campaign, &taken, lambda))
+    (sd_m_s > least && alternates(&beside) && !is_followed(campaign, &taken))
         .then_some((taken, sd_m_s))
 }
 
@@ -57,18 +60,6 @@ fn thirds(runs: &[&Run]) -> f64 {
     spread(&thirds) / 20.0_f64.sqrt()
 }
 
-/// The velocity of a run along its course.
-fn along_its_course(run: &Run, lambda: f64) -> Vec<f64> {
-    let recorded = &run.velocity_m_s;
-    if is_long(run) {
-        let Course { z, .. } = cornered(recorded, lambda);
-        let stands = |(&v, z): (&f64, f64)| if v == 0.0 { 0.0 } else { z };
-        recorded.iter().zip(z).map(stands).collect()
-    } else {
-        recorded.clone()
-    }
-}
-
 /// What is recorded beside the course while the stage moves.
 fn moving((run, z): (&Run, &Vec<f64>)) -> Vec<f64> {
     let both = run.velocity_m_s.iter().zip(z);
@@ -83,11 +74,11 @@ fn alternates(beside: &[Vec<f64>]) -> bool {
 }
 
 /// Whether friction follows what the velocities show beside their courses.
-fn is_followed(campaign: &Campaign, taken: &[Vec<f64>], lambda: f64) -> bool {
+fn is_followed(campaign: &Campaign, taken: &[Vec<f64>]) -> bool {
     let mut followed = Followed::default();
     for (run, z) in campaign.runs.iter().zip(taken) {
         let shown: Vec<f64> = run.velocity_m_s.iter().zip(z).map(|(v, z)| v - z).collect();
-        followed.add(&shown, &run.force_n, &smooth(&run.force_n, lambda).z);
+        followed.add(&shown, &run.force_n, &smooth(&run.force_n, OF_FORCE).z);
     }
     followed.share() > 0.0
 }

@@ -27,18 +27,22 @@ const REWEIGHTED: usize = 12;
 /// A smooth course and the degrees of freedom that it has taken.
 pub(crate) struct Course {
     pub(crate) z: Vec<f64>,
-    taken: f64,
+    pub(crate) taken: f64,
 }
 
-/// lambda with the least n RSS / (n - trace)^2 over all series.
-pub(crate) fn likeliest(all: &[&[f64]], course: impl Fn(&[f64], f64) -> Course) -> f64 {
+impl Course {
+    /// What a series leaves beside its course: sum of squares and degrees of freedom.
+    pub(crate) fn left_of(&self, series: &[f64]) -> (f64, f64) {
+        let squares = series.iter().zip(&self.z).map(|(y, z)| (y - z).powi(2));
+        (squares.sum(), series.len() as f64 - self.taken)
+    }
+}
+
+/// lambda with the least n RSS / (n - trace)^2 over all of a channel, `left` what one of them leaves: RSS, n - trace.
+pub(crate) fn likeliest<T>(all: &[T], left: impl Fn(&T, f64) -> (f64, f64)) -> f64 {
     let score = |lambda: f64| {
-        let (mut rest, mut free) = (0.0, 0.0);
-        for y in all {
-            let Course { z, taken } = course(y, lambda);
-            rest += y.iter().zip(&z).map(|(y, z)| (y - z).powi(2)).sum::<f64>();
-            free += y.len() as f64 - taken;
-        }
+        let of_all = all.iter().map(|one| left(one, lambda));
+        let (rest, free) = of_all.fold((0.0, 0.0), |sum, left| (sum.0 + left.0, sum.1 + left.1));
         rest / (free * free)
     };
     let candidates = (0..=SMOOTHEST).map(|k| 4.0_f64.powi(k));
@@ -54,9 +58,9 @@ pub(crate) fn smooth(series: &[f64], lambda: f64) -> Course {
     Factors::new(&ones, &ones, lambda).course(series)
 }
 
-/// The course with corners.
-pub(crate) fn cornered(series: &[f64], lambda: f64) -> Course {
-    let held = |y: &f64| if *y == 0.0 { HELD } else { 1.0 };
+/// The course with corners of a series that is the mean of `count` records.
+pub(crate) fn cornered(series: &[f64], count: f64, lambda: f64) -> Course {
+    let held = |y: &f64| if *y == 0.0 { HELD } else { count };
     let samples: Vec<f64> = series.iter().map(held).collect();
     let mut weights = vec![1.0; series.len()];
     for _ in 0..REWEIGHTED {
@@ -231,8 +235,9 @@ pub(crate) mod tests {
         let series: Vec<f64> = (clean.iter().zip(noise(5, 600)))
             .map(|(z, e)| z + 0.01 * e)
             .collect();
-        let cornered = |lambda: f64| super::cornered(&series, lambda).z;
-        let lambda = likeliest(&[&series], super::cornered);
+        let cornered = |lambda: f64| super::cornered(&series, 1.0, lambda);
+        let lambda = likeliest(&[&series], |y, lambda| cornered(lambda).left_of(y));
+        let cornered = |lambda: f64| cornered(lambda).z;
         assert!(miss(&cornered(lambda), &clean) < 0.4 * 0.01, "{lambda}");
         let at_worst = |z: &[f64]| {
             let misses = z.iter().zip(&clean).map(|(z, c)| (z - c).abs());
