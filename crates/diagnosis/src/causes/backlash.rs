@@ -1,6 +1,6 @@
 //! Play: after every reversal of the stage the specimen stays behind until the gap (m) is crossed. A run starts with the play
-//! taken up in the direction of its first motion; or the play stands as the run before left it, so that a run against that one
-//! crosses the gap first; or it opens only where the joint has no force left, some way after the turn.
+//! taken up in the direction of its first motion; or the play stands as the run before left it, so that a run from rest against that one
+//! crosses the gap first; or it opens only where the joint has no force left, some way after the turn, which between two runs it has not.
 
 use std::collections::BTreeMap;
 
@@ -118,7 +118,7 @@ impl Cause for CarriedBacklash {
     }
 
     fn steps_a_sample(&self, _p: &[f64], run: &RunMotion) -> usize {
-        let goes = |way: f64| run.heading_before * way > 0.0 || run.velocity_m_s.iter().any(|v| v * way > 0.0);
+        let goes = |way: f64| heading_left(run) * way > 0.0 || run.velocity_m_s.iter().any(|v| v * way > 0.0);
         if goes(1.0) && goes(-1.0) { STEPS } else { 1 }
     }
 
@@ -132,8 +132,15 @@ impl Cause for CarriedBacklash {
     }
 
     fn stage<D: Scalar>(&self, p: &[D], at: Place<'_>, velocity: &mut [D]) {
-        cross(p[0], &at.run.time_s, at.run.heading_before, velocity);
+        cross(p[0], &at.run.time_s, heading_left(at.run), velocity);
     }
+}
+
+/// The direction in which the run before left the play taken up; 0 where it does not matter: a run that is recorded from the middle of a
+/// motion has crossed its gap.
+fn heading_left(run: &RunMotion) -> f64 {
+    let moves = run.velocity_m_s.first().is_some_and(|v| *v != 0.0);
+    if run.initial_state_unknown && moves { 0.0 } else { run.heading_before }
 }
 
 /// Stops that give way: of a step within the gap the share 1 - (1 - s/gap)^(1/softness) is lost, s the slack that is left. Softness 0
@@ -254,7 +261,60 @@ impl Cause for HeldBacklash {
     }
 
     fn stage<D: Scalar>(&self, p: &[D], at: Place<'_>, velocity: &mut [D]) {
-        cross_held(p[0], p[1], at.run, velocity);
+        cross_held(p[0], p[1], at.run, 0.0, velocity);
+    }
+}
+
+/// A play that stays closed as long as the joint is pulled, and stands between runs as the run before left it: there nothing pulls.
+#[derive(Clone, Copy, Debug)]
+pub struct HeldCarriedBacklash;
+
+impl Cause for HeldCarriedBacklash {
+    marker::form_of!(Backlash, "opens without force, carried from run to run");
+
+    fn parameters(&self) -> &'static [ParameterSpec] {
+        HeldBacklash.parameters()
+    }
+
+    fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
+        HeldBacklash.parameters_for(experiment)
+    }
+
+    fn refines(&self) -> bool {
+        true
+    }
+
+    fn requirements(&self) -> &'static [Requirement] {
+        &[Requirement::Reversals, Requirement::Order, Requirement::BothDirections]
+    }
+
+    fn applies_to(&self, law: LawKind) -> bool {
+        HeldBacklash.applies_to(law)
+    }
+
+    fn starts(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+        HeldBacklash.starts(experiment)
+    }
+
+    fn stepped(&self) -> Option<usize> {
+        HeldBacklash.stepped()
+    }
+
+    fn steps_a_sample(&self, p: &[f64], run: &RunMotion) -> usize {
+        CarriedBacklash.steps_a_sample(p, run)
+    }
+
+    fn reported(&self, fitted: &[f64]) -> Vec<Reported> {
+        marker::marked(HeldBacklash.reported(fitted), CARRIED)
+    }
+
+    fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
+        marker::demanded(reported, CARRIED)?;
+        HeldBacklash.from_reported(reported)
+    }
+
+    fn stage<D: Scalar>(&self, p: &[D], at: Place<'_>, velocity: &mut [D]) {
+        cross_held(p[0], p[1], at.run, heading_left(at.run), velocity);
     }
 }
 
@@ -342,13 +402,13 @@ fn follow<D: Scalar>(
     }
 }
 
-/// A gap that opens `held` after a turn: of the way at s after it the share of [s - d/2, s + d/2] is lost that lies within
+/// A gap that opens `held` after a turn, and at once where the first motion goes against `heading`, in which the play was left: of the way at s after it the share of [s - d/2, s + d/2] is lost that lies within
 /// [held, held + gap]. d is what the stage goes from sample to sample, for where between two of them the play opens no record tells; a
 /// sample is not taken while a gap is crossed that is narrower than half of it.
-fn cross_held<D: Scalar>(gap: D, held: D, run: &RunMotion, velocity: &mut [D]) {
+fn cross_held<D: Scalar>(gap: D, held: D, run: &RunMotion, heading: f64, velocity: &mut [D]) {
     let none = D::constant(0.0);
     let parts = run.steps_a_sample;
-    let mut heading = 0.0;
+    let (left, mut heading) = (heading, 0.0);
     // Where the gap lies after the last turn, and the way since; taken up: nothing is to be crossed.
     let mut ahead: Option<[D; 2]> = None;
     let mut gone = none;
@@ -358,6 +418,9 @@ fn cross_held<D: Scalar>(gap: D, held: D, run: &RunMotion, velocity: &mut [D]) {
             continue;
         }
         let sign = v.value().signum();
+        if heading == 0.0 && left * sign < 0.0 {
+            ahead = Some([none, gap]);
+        }
         if heading * sign < 0.0 {
             ahead = match ahead {
                 // It had not opened: the same side pulls again.

@@ -46,7 +46,7 @@ catalogue! {
     frictional_memory::MemoryInTime, MemoryInDistance, MagnitudeInTime, MagnitudeInDistance, ViscousMemoryInTime, ViscousMemoryInDistance,
         WholeMagnitudeInTime, WholeMagnitudeInDistance;
     dwell_ageing::DwellAgeing, AgeingBetweenRuns, TurnedAgeing, FadingAgeing, GrownContact, FreshAgeing, FreshFadingAgeing;
-    backlash::Backlash, CarriedBacklash, SoftBacklash, HeldBacklash;
+    backlash::Backlash, CarriedBacklash, SoftBacklash, HeldBacklash, HeldCarriedBacklash;
     velocity_lag::VelocityLag, SecondOrderVelocityLag;
     load_crosstalk::LoadCrosstalk;
     moving_inertia::MovingInertia;
