@@ -4,15 +4,17 @@
 //! alone. Runs of one command have one motion: the mean of M of them has 1/M of the noise's variance, and what a prediction makes of what is
 //! left of it is the same in all of them.
 
-use campaign::{Campaign, Run};
+use campaign::{Campaign, InitialState, Run};
 
-use crate::whittaker::{Course, cornered};
+use crate::whittaker::{Course, HELD, cornered, likeliest};
 
 /// Standard deviations of a difference of two records at one sample, of its sum of squares, and of that of its sums over blocks, within which it is
 /// noise.
 const NOISE: f64 = 5.0;
 /// Samples of a block: what two motions differ by lasts longer.
 const BLOCK: usize = 8;
+/// Standard deviations of its mean within which the first sample of a run with relaxed bristles is at rest.
+const AT_REST: f64 = 4.0;
 /// Share of the time between samples within which two runs are sampled at the same times.
 const SAME_TIME: f64 = 1e-6;
 
@@ -20,6 +22,7 @@ const SAME_TIME: f64 = 1e-6;
 pub(crate) struct Command<'a> {
     /// Index in the campaign, velocities, and the sign that turns them into those of the first run.
     runs: Vec<(usize, &'a Run, f64)>,
+    sd_m_s: f64,
 }
 
 impl<'a> Command<'a> {
@@ -32,13 +35,14 @@ impl<'a> Command<'a> {
         let mut commands: Vec<Self> = Vec::new();
         for (index, run) in campaign.runs.iter().enumerate().filter(|(_, r)| asked(r)) {
             let told = commands.iter_mut().find_map(|command| {
-                let sign = command.sign_of(run, sd_m_s)?;
+                let sign = command.sign_of(run)?;
                 Some((command, sign))
             });
             match told {
                 Some((command, sign)) => command.runs.push((index, run, sign)),
                 None => commands.push(Self {
                     runs: vec![(index, run, 1.0)],
+                    sd_m_s,
                 }),
             }
         }
@@ -46,14 +50,14 @@ impl<'a> Command<'a> {
     }
 
     /// The sign under which another run records the motion of the first one; `None` where it goes another way.
-    fn sign_of(&self, other: &Run, sd_m_s: f64) -> Option<f64> {
+    fn sign_of(&self, other: &Run) -> Option<f64> {
         let first = self.runs[0].1;
-        let goes = |sign: f64| same_motion(first, other, sign, sd_m_s);
+        let goes = |sign: f64| same_motion(first, other, sign, self.sd_m_s);
         (same_times(first, other)).then(|| [1.0, -1.0].into_iter().find(|&sign| goes(sign)))?
     }
 
-    /// The course of the motion: that of all records together, by their mean.
-    pub(crate) fn course(&self, lambda: f64) -> Course {
+    /// The mean of all records.
+    fn mean_m_s(&self) -> Vec<f64> {
         let count = self.runs.len() as f64;
         let mut mean = vec![0.0; self.runs[0].1.velocity_m_s.len()];
         for (_, run, sign) in &self.runs {
@@ -61,33 +65,59 @@ impl<'a> Command<'a> {
                 *mean += sign * v / count;
             }
         }
-        cornered(&mean, count, lambda)
+        mean
     }
 
-    /// What the records leave beside their course: sum of squares and degrees of freedom.
-    pub(crate) fn left(&self, lambda: f64) -> (f64, f64) {
-        let course = self.course(lambda);
+    /// Where the stage stands: exact zeros, and the first sample of runs from rest.
+    fn stands(&self, mean_m_s: &[f64]) -> Vec<bool> {
+        let first = self.runs[0].1;
+        let within = AT_REST * self.sd_m_s / (self.runs.len() as f64).sqrt();
+        let from_rest =
+            |(_, run, _): &(usize, &Run, f64)| run.initial_state == InitialState::Relaxed;
+        let mut stands: Vec<bool> = first.velocity_m_s.iter().map(|v| *v == 0.0).collect();
+        stands[0] |= mean_m_s[0].abs() <= within && self.runs.iter().all(from_rest);
+        stands
+    }
+
+    /// The velocity along the one course of all records, by the index of each run.
+    pub(crate) fn along(&self) -> impl Iterator<Item = (usize, Vec<f64>)> {
+        let z = self.course_m_s();
+        let told = |z: &[f64], sign: f64| z.iter().map(|z| sign * z).collect();
+        self.runs
+            .iter()
+            .map(move |(index, _, sign)| (*index, told(&z, *sign)))
+    }
+
+    /// The course of the mean, which weighs as much as it has records; zero where the stage stands.
+    fn course_m_s(&self) -> Vec<f64> {
+        let mut mean = self.mean_m_s();
+        let stands = self.stands(&mean);
+        let count = self.runs.len() as f64;
+        let mut weights = vec![count; mean.len()];
+        for i in (0..mean.len()).filter(|&i| stands[i]) {
+            (mean[i], weights[i]) = (0.0, HELD);
+        }
+        let course = |lambda: f64| cornered(&mean, &weights, lambda);
+        let lambda = likeliest(|lambda| self.left_of(&course(lambda), &stands));
+        let mut z = course(lambda).z;
+        for i in (0..z.len()).filter(|&i| stands[i]) {
+            z[i] = 0.0;
+        }
+        z
+    }
+
+    /// What the records leave beside a course while they move: sum of squares and degrees of freedom. Rest counts once, and is taken once.
+    fn left_of(&self, course: &Course, stands: &[bool]) -> (f64, f64) {
         let of_runs = self.runs.iter().map(|(_, run, sign)| {
-            let both = run.velocity_m_s.iter().zip(&course.z);
-            both.map(|(v, z)| (sign * v - z).powi(2)).sum::<f64>()
+            let both = run.velocity_m_s.iter().zip(&course.z).zip(stands);
+            let moving = both.filter(|(_, stands)| !**stands);
+            moving
+                .map(|((v, z), _)| (sign * v - z).powi(2))
+                .sum::<f64>()
         });
-        // the course passes through rest whatever the smoothness: it counts once, and is taken once
-        let velocities = &self.runs[0].1.velocity_m_s;
-        let standing = velocities.iter().filter(|v| **v == 0.0).count();
-        let samples = self.runs.len() * (velocities.len() - standing) + standing;
+        let standing = stands.iter().filter(|stands| **stands).count();
+        let samples = self.runs.len() * (stands.len() - standing) + standing;
         (of_runs.sum(), samples as f64 - course.taken)
-    }
-
-    /// The velocity along the course, by the index of each run.
-    pub(crate) fn along(&self, lambda: f64) -> impl Iterator<Item = (usize, Vec<f64>)> {
-        let course = self.course(lambda).z;
-        self.runs.iter().map(move |(index, run, sign)| {
-            let stands = |(&v, z): (&f64, &f64)| if v == 0.0 { 0.0 } else { sign * z };
-            (
-                *index,
-                run.velocity_m_s.iter().zip(&course).map(stands).collect(),
-            )
-        })
     }
 }
 
@@ -159,13 +189,14 @@ mod tests {
         let campaign = recorded([1.0, -1.0, 1.0, -1.0], [0.0; 4]);
         let of_all = commands(&campaign);
         assert_eq!(of_all.len(), 1);
-        let along: Vec<(usize, Vec<f64>)> = of_all[0].along(64.0).collect();
+        let along: Vec<(usize, Vec<f64>)> = of_all[0].along().collect();
         assert_eq!(along[0].1, along[2].1);
         assert!(along[0].1.iter().zip(&along[1].1).all(|(a, b)| *a == -*b));
         let alone = Command {
             runs: vec![(0, &campaign.runs[0], 1.0)],
+            sd_m_s: SD_M_S,
         };
-        let missed = |command: &Command<'_>| miss(&command.course(64.0).z, &motion(0.0));
+        let missed = |command: &Command<'_>| miss(&command.course_m_s(), &motion(0.0));
         assert!(missed(&of_all[0]) < 0.7 * missed(&alone));
     }
 

@@ -4,19 +4,32 @@
 //! F_i - (smoothed F)_i = sum_k b_k x_{i-k} + noise,   k = -4 to 12 samples                                  (M3)
 //! ```
 //!
-//! x: what the channel shows there, the force being recorded early or late; both in standard deviations of the noise of a run. What is true of
+//! x: what the channel shows there, less its own smooth course, the force being recorded early or late; both in standard deviations of the noise of a run. What is true of
 //! the rig is in the force, too; the channel's own noise is not.
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::whittaker::spread;
+use crate::whittaker::{smooth, spread};
 
 /// Samples by which the force may be recorded early or late.
 const SHIFTS: std::ops::RangeInclusive<isize> = -4..=12;
 /// Standard deviations of a chi-squared from which friction plainly follows.
 const PLAIN: f64 = 12.0;
+/// Smoothness of a course, which takes waves longer than some 18 samples: a smoother one rings at the corners.
+const SLOW: f64 = 64.0;
 /// Standard deviations from which a force runs away from the smooth one: a start, a reversal.
 const FAR: f64 = 4.0;
+
+/// The course that a force is seen beside, N.
+pub(crate) fn smooth_force_n(force_n: &[f64]) -> Vec<f64> {
+    smooth(force_n, SLOW).z
+}
+
+/// A series beside its smooth course.
+fn quick(series: &[f64]) -> Vec<f64> {
+    let course = smooth(series, SLOW).z;
+    series.iter().zip(&course).map(|(y, z)| y - z).collect()
+}
 
 /// The normal equations of (M3) over all runs.
 pub(crate) struct Followed {
@@ -35,10 +48,10 @@ impl Default for Followed {
 }
 
 impl Followed {
-    /// A run: x, its force and that force along its own course. Samples in which the force runs away from the course are left out.
-    pub(crate) fn add(&mut self, shown: &[f64], force_n: &[f64], smooth_force_n: &[f64]) {
-        let force = force_n.iter().zip(smooth_force_n);
-        let rest: Vec<f64> = force.map(|(f, smooth)| f - smooth).collect();
+    /// A run: x, and its force. Samples in which the force runs away from its course are left out.
+    pub(crate) fn add(&mut self, shown: &[f64], force_n: &[f64]) {
+        let rest = quick(force_n);
+        let shown = quick(shown);
         let sd = spread(&rest);
         if sd == 0.0 {
             return;

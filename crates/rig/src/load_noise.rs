@@ -18,7 +18,7 @@
 
 use campaign::{Campaign, Protocol, Run};
 
-use crate::followed::Followed;
+use crate::followed::{Followed, smooth_force_n};
 use crate::whittaker::{SHORTEST, likeliest, smooth, spread};
 
 /// Noise below this share of the mean load is none.
@@ -42,12 +42,11 @@ pub(crate) fn without_noise(campaign: &Campaign) -> Option<(Vec<Option<Vec<f64>>
     let recorded: Vec<Option<&[f64]>> = campaign.runs.iter().map(recorded).collect();
     let loads: Vec<&[f64]> = recorded.iter().copied().flatten().collect();
     let samples: usize = loads.iter().map(|n| n.len()).sum();
-    let lambda = likeliest(&loads, |n, lambda| smooth(n, lambda).left_of(n));
     let cells: Vec<Option<Cell<'_>>> = campaign
         .runs
         .iter()
         .zip(recorded)
-        .map(|(run, n)| n.map(|n| Cell::new(n, &run.force_n, lambda)))
+        .map(|(run, n)| n.map(|n| Cell::new(n, &run.force_n)))
         .collect();
     let of_runs = || cells.iter().flatten();
     let beside: Vec<f64> = of_runs().flat_map(Cell::beside).collect();
@@ -57,30 +56,23 @@ pub(crate) fn without_noise(campaign: &Campaign) -> Option<(Vec<Option<Vec<f64>>
         return None;
     }
     let kept = share_followed(of_runs());
-    let without = |cell: &Cell<'_>| cell.with(kept, FAR * sd_n);
-    let loads = cells
-        .iter()
-        .map(|cell| cell.as_ref().map(without))
-        .collect();
+    let without = |cell: &Option<Cell<'_>>| cell.as_ref().map(|cell| cell.with(kept));
+    let loads = cells.iter().map(without).collect();
     Some((loads, LoadNoise { sd_n, kept }))
 }
 
-/// A run's load as recorded and along its smooth course, and its force along its own.
+/// A run's load as recorded and along its smooth course, and its force.
 struct Cell<'a> {
     n: &'a [f64],
     z: Vec<f64>,
     force_n: &'a [f64],
-    smooth_force_n: Vec<f64>,
 }
 
 impl<'a> Cell<'a> {
-    fn new(n: &'a [f64], force_n: &'a [f64], lambda: f64) -> Self {
-        Self {
-            n,
-            z: smooth(n, lambda).z,
-            force_n,
-            smooth_force_n: smooth(force_n, lambda).z,
-        }
+    fn new(n: &'a [f64], force_n: &'a [f64]) -> Self {
+        let lambda = likeliest(|lambda| smooth(n, lambda).left_of(n));
+        let z = smooth(n, lambda).z;
+        Self { n, z, force_n }
     }
 
     /// N - z.
@@ -88,9 +80,11 @@ impl<'a> Cell<'a> {
         self.n.iter().zip(&self.z).map(|(n, z)| n - z)
     }
 
-    /// z + kappa (N - z); as recorded where two neighbours lie farther from z than `far`, which noise hardly does: there the load steps.
-    fn with(&self, kappa: f64, far: f64) -> Vec<f64> {
+    /// z + kappa (N - z); as recorded where two neighbours lie farther from z than noise hardly does, that of this run (many a cell's noise
+    /// grows with its load): there the load steps.
+    fn with(&self, kappa: f64) -> Vec<f64> {
         let beside: Vec<f64> = self.beside().collect();
+        let far = FAR * spread(&beside);
         let is_far = |i: usize| beside.get(i).is_some_and(|n| n.abs() > far);
         let steps = |i: usize| is_far(i) && (is_far(i + 1) || i > 0 && is_far(i - 1));
         (0..beside.len())
@@ -100,8 +94,8 @@ impl<'a> Cell<'a> {
 
     /// What friction would follow, mu (N - z), N.
     fn shown_n(&self) -> Vec<f64> {
-        let mu = (self.smooth_force_n.iter().zip(&self.z))
-            .map(|(f, &z)| if z > 0.0 { f / z } else { 0.0 });
+        let force = smooth_force_n(self.force_n);
+        let mu = (force.iter().zip(&self.z)).map(|(f, &z)| if z > 0.0 { f / z } else { 0.0 });
         mu.zip(self.beside()).map(|(mu, n)| mu * n).collect()
     }
 }
@@ -117,7 +111,7 @@ fn recorded(run: &Run) -> Option<&[f64]> {
 fn share_followed<'a>(cells: impl Iterator<Item = &'a Cell<'a>>) -> f64 {
     let mut followed = Followed::default();
     for cell in cells {
-        followed.add(&cell.shown_n(), cell.force_n, &cell.smooth_force_n);
+        followed.add(&cell.shown_n(), cell.force_n);
     }
     let kappa = followed.share();
     if kappa < LEAST {
@@ -242,6 +236,20 @@ pub(crate) mod tests {
         let load = loads[2].as_ref().expect("recorded");
         assert!((load[299] - 5.0).abs() < 0.1 && (load[300] - 8.0).abs() < 0.1);
         assert!(miss(load, &step(2)) < miss(&cell(2), &step(2)));
+    }
+
+    /// Beside runs whose cell scatters an eighth as much, what is noise here would be taken for steps.
+    #[test]
+    fn noise_that_grows_with_the_load_goes_in_every_run() {
+        let load = |k: usize| if k == 3 { 8.0 } else { 1.0 };
+        let real = |k: usize| course(k).into_iter().map(|n| load(k) * n).collect();
+        let cell = |k: usize| plus(real(k), 0.02 * load(k), &noise(k as u64 + 1, 600));
+        let (loads, taken) = without_noise(&campaign(real, cell)).expect("there is noise");
+        assert_eq!(taken.kept, 0.0);
+        for (k, load) in loads.iter().enumerate() {
+            let load = load.as_ref().expect("recorded");
+            assert!(miss(load, &real(k)) < 0.3 * miss(&cell(k), &real(k)), "{k}");
+        }
     }
 
     /// Kept as recorded it would be a spike of friction.

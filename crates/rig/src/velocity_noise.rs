@@ -9,17 +9,13 @@ use campaign::{Campaign, Run};
 
 use crate::commands::Command;
 use crate::followed::Followed;
-use crate::whittaker::{SHORTEST, likeliest, smooth, spread};
+use crate::whittaker::{SHORTEST, spread};
 
 /// Noise below this share of the largest speed is none.
 const NONE: f64 = 1e-5;
 /// Share of neighbours on different sides of the course from which they alternate as noise does (one half, and more beside a course that
 /// follows it).
 const ALTERNATES: f64 = 0.45;
-/// Smoothness of the course that the force is seen beside, which passes waves longer than some 18 samples: a smoother one rings at the corners.
-const OF_FORCE: f64 = 64.0;
-/// Commands that the smoothness is chosen by, evenly among all.
-const CHOSEN_BY: usize = 64;
 
 /// Velocities of all runs along their courses, and the standard deviation of what was taken, m/s; `None` where they have no noise, or what they
 /// show is true.
@@ -32,12 +28,9 @@ pub(crate) fn without_noise(campaign: &Campaign) -> Option<(Vec<Vec<f64>>, f64)>
         return None;
     }
     let commands = Command::all(campaign, is_long, sd_m_s);
-    let stride = commands.len().div_ceil(CHOSEN_BY);
-    let chosen: Vec<&Command<'_>> = commands.iter().step_by(stride).collect();
-    let lambda = likeliest(&chosen, |command, lambda| command.left(lambda));
     let recorded = campaign.runs.iter().map(|run| run.velocity_m_s.clone());
     let mut taken: Vec<Vec<f64>> = recorded.collect();
-    for (index, course) in commands.iter().flat_map(|command| command.along(lambda)) {
+    for (index, course) in commands.iter().flat_map(Command::along) {
         taken[index] = course;
     }
     let beside: Vec<Vec<f64>> = campaign.runs.iter().zip(&taken).map(moving).collect();
@@ -78,7 +71,7 @@ fn is_followed(campaign: &Campaign, taken: &[Vec<f64>]) -> bool {
     let mut followed = Followed::default();
     for (run, z) in campaign.runs.iter().zip(taken) {
         let shown: Vec<f64> = run.velocity_m_s.iter().zip(z).map(|(v, z)| v - z).collect();
-        followed.add(&shown, &run.force_n, &smooth(&run.force_n, OF_FORCE).z);
+        followed.add(&shown, &run.force_n);
     }
     followed.share() > 0.0
 }

@@ -4,14 +4,14 @@
 //! min over z of  sum (y_i - z_i)^2 + lambda sum w_i (z_{i-1} - 2 z_i + z_{i+1})^2                         (M2)
 //! ```
 //!
-//! (Whittaker 1923), lambda by generalised cross-validation (Craven and Wahba 1979) over all series of one channel together. All w_i are one,
+//! (Whittaker 1923), lambda by generalised cross-validation (Craven and Wahba 1979): what bends all the way is not as smooth as a ramp. All w_i are one,
 //! or what leaves the corners of a motion corners: they follow the second differences d_i of z itself (iterated reweighting; the weight is Cauchy's),
 //!
 //! ```text
 //! w_i = 1 / (1 + (d_i / tau)^2),   tau = 5 standard deviations of the d_i, by the median                   (M4)
 //! ```
 //!
-//! where the course also passes through whatever is exactly zero: a stage that stands has no noise.
+//! where the course may have to pass through some samples: a stage that stands has no noise.
 
 /// Samples of a series; shorter ones have no course and are left as recorded.
 pub(crate) const SHORTEST: usize = 16;
@@ -20,7 +20,7 @@ const SMOOTHEST: i32 = 10;
 /// Standard deviations of second differences beyond which one is a corner.
 const CORNER: f64 = 5.0;
 /// Weight of a sample that the course must pass through.
-const HELD: f64 = 1e6;
+pub(crate) const HELD: f64 = 1e6;
 /// Times that the weights follow the course.
 const REWEIGHTED: usize = 12;
 
@@ -38,11 +38,10 @@ impl Course {
     }
 }
 
-/// lambda with the least n RSS / (n - trace)^2 over all of a channel, `left` what one of them leaves: RSS, n - trace.
-pub(crate) fn likeliest<T>(all: &[T], left: impl Fn(&T, f64) -> (f64, f64)) -> f64 {
+/// lambda with the least n RSS / (n - trace)^2, `left` what a series leaves beside its course: RSS, n - trace.
+pub(crate) fn likeliest(left: impl Fn(f64) -> (f64, f64)) -> f64 {
     let score = |lambda: f64| {
-        let of_all = all.iter().map(|one| left(one, lambda));
-        let (rest, free) = of_all.fold((0.0, 0.0), |sum, left| (sum.0 + left.0, sum.1 + left.1));
+        let (rest, free) = left(lambda);
         rest / (free * free)
     };
     let candidates = (0..=SMOOTHEST).map(|k| 4.0_f64.powi(k));
@@ -58,13 +57,11 @@ pub(crate) fn smooth(series: &[f64], lambda: f64) -> Course {
     Factors::new(&ones, &ones, lambda).course(series)
 }
 
-/// The course with corners of a series that is the mean of `count` records.
-pub(crate) fn cornered(series: &[f64], count: f64, lambda: f64) -> Course {
-    let held = |y: &f64| if *y == 0.0 { HELD } else { count };
-    let samples: Vec<f64> = series.iter().map(held).collect();
+/// The course with corners; `samples`: the weight of each sample.
+pub(crate) fn cornered(series: &[f64], samples: &[f64], lambda: f64) -> Course {
     let mut weights = vec![1.0; series.len()];
     for _ in 0..REWEIGHTED {
-        let z = Factors::new(&samples, &weights, lambda).solve(series);
+        let z = Factors::new(samples, &weights, lambda).solve(series);
         let seconds: Vec<f64> = z.windows(3).map(|z| z[0] - 2.0 * z[1] + z[2]).collect();
         let tau = CORNER * spread(&seconds);
         if tau == 0.0 {
@@ -74,7 +71,7 @@ pub(crate) fn cornered(series: &[f64], count: f64, lambda: f64) -> Course {
             *weight = 1.0 / (1.0 + (second / tau).powi(2));
         }
     }
-    Factors::new(&samples, &weights, lambda).course(series)
+    Factors::new(samples, &weights, lambda).course(series)
 }
 
 /// Standard deviation by the median, as for normal noise: a few corners do not count.
@@ -235,8 +232,8 @@ pub(crate) mod tests {
         let series: Vec<f64> = (clean.iter().zip(noise(5, 600)))
             .map(|(z, e)| z + 0.01 * e)
             .collect();
-        let cornered = |lambda: f64| super::cornered(&series, 1.0, lambda);
-        let lambda = likeliest(&[&series], |y, lambda| cornered(lambda).left_of(y));
+        let cornered = |lambda: f64| super::cornered(&series, &[1.0; 600], lambda);
+        let lambda = likeliest(|lambda| cornered(lambda).left_of(&series));
         let cornered = |lambda: f64| cornered(lambda).z;
         assert!(miss(&cornered(lambda), &clean) < 0.4 * 0.01, "{lambda}");
         let at_worst = |z: &[f64]| {
