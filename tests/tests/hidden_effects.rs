@@ -180,7 +180,7 @@ fn noise_of_a_load_cell_is_no_cause() {
     assert_none(&complaints(&trials, &[Verdict::Right]));
 }
 
-/// Nor is the noise of the velocity channel, half a thousandth of the largest speed.
+/// Nor is the noise of the velocity channel, a thousandth of the largest speed.
 #[test]
 fn noise_of_an_encoder_is_no_cause() {
     let healthy = [Protocol::Rich, Protocol::Loads, Protocol::PaperAlternating];

@@ -10,7 +10,7 @@ use rig::{Cause, Experiment, Follows, Model, Requirement, Station};
 use rigs::{BRISTLE, LUGRE, rich};
 
 /// Ids, stations and reported parameters, as other programs know them.
-const VOCABULARY: [(&str, &str, &[&str]); 66] = [
+const VOCABULARY: [(&str, &str, &[&str]); 67] = [
     (
         "stage-ripple",
         "stage",
@@ -237,6 +237,11 @@ const VOCABULARY: [(&str, &str, &[&str]); 66] = [
     ("backlash", "coupling", &["gap_m", "carried_between_runs"]),
     ("backlash", "coupling", &["gap_m", "softness"]),
     ("backlash", "coupling", &["gap_m", "held_m"]),
+    (
+        "backlash",
+        "coupling",
+        &["gap_m", "held_m", "carried_between_runs"],
+    ),
     ("velocity-lag", "sensor", &["time_constant_s"]),
     (
         "velocity-lag",

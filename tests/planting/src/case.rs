@@ -140,7 +140,7 @@ impl NoiseKind {
                 ..usual
             },
             Self::Encoder => Noise {
-                encoder: 0.0005,
+                encoder: 0.001,
                 ..usual
             },
             Self::None => Noise {

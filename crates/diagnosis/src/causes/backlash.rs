@@ -292,6 +292,10 @@ impl Cause for HeldCarriedBacklash {
         HeldBacklash.applies_to(law)
     }
 
+    fn shape_grid(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+        HeldBacklash.shape_grid(experiment)
+    }
+
     fn starts(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
         HeldBacklash.starts(experiment)
     }
@@ -412,6 +416,8 @@ fn cross_held<D: Scalar>(gap: D, held: D, run: &RunMotion, heading: f64, velocit
     // Where the gap lies after the last turn, and the way since; taken up: nothing is to be crossed.
     let mut ahead: Option<[D; 2]> = None;
     let mut gone = none;
+    // Of a gap that a run begins with the place is known.
+    let mut from_rest = true;
     for i in 0..velocity.len() {
         let v = velocity[i];
         if v.value() == 0.0 {
@@ -430,10 +436,11 @@ fn cross_held<D: Scalar>(gap: D, held: D, run: &RunMotion, heading: f64, velocit
                 _ => Some([held, held + gap]),
             };
             gone = none;
+            from_rest = false;
         }
         heading = sign;
         let step = v * (sign * weight_s(&run.time_s, i));
-        let window = step * parts as f64;
+        let window = if from_rest { step } else { step * parts as f64 };
         let middle = gone + step * 0.5;
         gone += step;
         let Some([from, to]) = ahead else { continue };
@@ -443,6 +450,10 @@ fn cross_held<D: Scalar>(gap: D, held: D, run: &RunMotion, heading: f64, velocit
             continue;
         }
         let lost = (far - near) / window;
+        if from_rest {
+            velocity[i] = v * (-lost + 1.0);
+            continue;
+        }
         let narrow = (to - from).value() < 0.5 * window.value();
         velocity[i] = match (parts > 1 && i.is_multiple_of(parts), narrow) {
             (true, true) => v,
