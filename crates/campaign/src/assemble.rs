@@ -26,13 +26,12 @@ struct Reading {
 fn noise(series: &[f64]) -> f64 {
     let third = |v: &[f64]| (v[3] - 3.0 * v[2] + 3.0 * v[1] - v[0]).abs();
     let mut thirds: Vec<f64> = series.windows(4).map(third).collect();
-    let middle = thirds.len() / 2;
-    match thirds.is_empty() {
-        true => 0.0,
-        false => {
-            1.4826 / 20.0_f64.sqrt() * *thirds.select_nth_unstable_by(middle, f64::total_cmp).1
-        }
+    if thirds.is_empty() {
+        return 0.0;
     }
+    let middle = thirds.len() / 2;
+    let median = *thirds.select_nth_unstable_by(middle, f64::total_cmp).1;
+    1.4826 * median / 20.0_f64.sqrt()
 }
 
 /// One checked run.

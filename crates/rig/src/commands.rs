@@ -20,8 +20,9 @@ const SAME_TIME: f64 = 1e-6;
 
 /// Runs whose stage was told the same.
 pub(crate) struct Command<'a> {
-    /// Index in the campaign, velocities, and the sign that turns them into those of the first run.
+    /// Index in the campaign, the run, and the sign that turns its velocities into those of the first one.
     runs: Vec<(usize, &'a Run, f64)>,
+    /// Standard deviation of the noise of each record.
     sd_m_s: f64,
 }
 
