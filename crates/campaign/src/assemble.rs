@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::cells::{self, Columns};
 use crate::description::{DIRECTIONS, Resource, RigDescription};
+use crate::noise;
 use crate::record::{Axis, Direction, Protocol, Run};
 use crate::refusal::{Problem, Refusal};
 use crate::units::{Conversion, Quantity};
@@ -20,18 +21,6 @@ struct Reading {
     name: String,
     index: usize,
     conversion: Conversion,
-}
-
-/// Standard deviation of white noise on a smooth series, by the median of its third differences (of unit noise their variance is twenty).
-fn noise(series: &[f64]) -> f64 {
-    let third = |v: &[f64]| (v[3] - 3.0 * v[2] + 3.0 * v[1] - v[0]).abs();
-    let mut thirds: Vec<f64> = series.windows(4).map(third).collect();
-    if thirds.is_empty() {
-        return 0.0;
-    }
-    let middle = thirds.len() / 2;
-    let median = *thirds.select_nth_unstable_by(middle, f64::total_cmp).1;
-    1.4826 * median / 20.0_f64.sqrt()
 }
 
 /// One checked run.
@@ -232,8 +221,8 @@ impl Table<'_> {
         let largest = velocity
             .iter()
             .fold(0.0_f64, |largest, v| largest.max(v.abs()));
-        let allowed =
-            (OWN_NOISE * noise(velocity)).clamp(SPEED_NOISE * largest, MOST_NOISE * largest);
+        let own = OWN_NOISE * noise::of_third_differences(velocity.windows(4));
+        let allowed = own.clamp(SPEED_NOISE * largest, MOST_NOISE * largest);
         let wrong = |v: f64| match direction {
             Direction::Forward => v < -allowed,
             Direction::Reverse => v > allowed,

@@ -15,6 +15,7 @@ mod frame;
 mod guess;
 mod init;
 mod json;
+pub mod noise;
 mod open;
 mod record;
 mod refusal;

@@ -7,9 +7,10 @@
 //! x: what the channel shows there, less its own smooth course, the force being recorded early or late; both in standard deviations of the noise of a run. What is true of
 //! the rig is in the force, too; the channel's own noise is not.
 
+use campaign::noise::spread;
 use nalgebra::{DMatrix, DVector};
 
-use crate::whittaker::{smooth, spread};
+use crate::whittaker::smooth;
 
 /// Samples by which the force may be recorded early or late.
 const SHIFTS: std::ops::RangeInclusive<isize> = -4..=12;

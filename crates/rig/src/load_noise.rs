@@ -16,10 +16,11 @@
 //! and zero where that is no more than chance: a rig that truly shakes keeps its load. Nothing is lost where it is zero by mistake but that
 //! friction is told a little worse: no cause gains from it. Where the load steps it is taken as recorded; a single wild reading is noise.
 
+use campaign::noise::spread;
 use campaign::{Campaign, Protocol, Run};
 
 use crate::followed::{Followed, smooth_force_n};
-use crate::whittaker::{SHORTEST, likeliest, smooth, spread};
+use crate::whittaker::{SHORTEST, likeliest, smooth};
 
 /// Noise below this share of the mean load is none.
 const NONE: f64 = 1e-6;

@@ -2,14 +2,15 @@
 //!
 //! An encoder's noise is in the velocity as recorded and not in the motion: a prediction from it carries the noise by the viscous part of
 //! friction and by its starts, and whatever smooths it or moves it in time fits better and is no cause. A velocity with noise is taken along its
-//! smooth course with corners (M2, M4), which all runs of one command share. A motion without noise, however bent, is left as recorded: about its course it does not alternate
-//! from sample to sample as noise does. So is one whose shaking friction follows (M3), and a stage that stands stands.
+//! smooth course with corners (M2, M4), which all runs of one command share. A motion without noise, however bent, is left as recorded: about
+//! its course it does not alternate from sample to sample as noise does. So is one whose shaking friction follows (M3), and a stage that stands stands.
 
+use campaign::noise::{of_third_differences, spread};
 use campaign::{Campaign, Run};
 
 use crate::commands::Command;
 use crate::followed::Followed;
-use crate::whittaker::{SHORTEST, spread};
+use crate::whittaker::SHORTEST;
 
 /// Noise below this share of the largest speed is none.
 const NONE: f64 = 1e-5;
@@ -23,7 +24,7 @@ pub(crate) fn without_noise(campaign: &Campaign) -> Option<(Vec<Vec<f64>>, f64)>
     let speeds = campaign.runs.iter().flat_map(|run| &run.velocity_m_s);
     let least = NONE * speeds.fold(0.0_f64, |a, v| a.max(v.abs()));
     let asked: Vec<&Run> = campaign.runs.iter().filter(|run| is_long(run)).collect();
-    let sd_m_s = thirds(&asked);
+    let sd_m_s = while_moving(&asked);
     if sd_m_s <= least {
         return None;
     }
@@ -43,14 +44,10 @@ fn is_long(run: &Run) -> bool {
     run.velocity_m_s.len() >= SHORTEST
 }
 
-/// Standard deviation of noise by third differences, which hardly know a motion: of white noise they have twenty times its variance.
-fn thirds(runs: &[&Run]) -> f64 {
+/// Standard deviation of the noise of these runs while they move.
+fn while_moving(runs: &[&Run]) -> f64 {
     let velocities = runs.iter().flat_map(|run| run.velocity_m_s.windows(4));
-    let moving = velocities.filter(|v| v.iter().all(|v| *v != 0.0));
-    let thirds: Vec<f64> = moving
-        .map(|v| v[3] - 3.0 * v[2] + 3.0 * v[1] - v[0])
-        .collect();
-    spread(&thirds) / 20.0_f64.sqrt()
+    of_third_differences(velocities.filter(|v| v.iter().all(|v| *v != 0.0)))
 }
 
 /// What is recorded beside the course while the stage moves.

@@ -13,6 +13,8 @@
 //!
 //! where the course may have to pass through some samples: a stage that stands has no noise.
 
+use campaign::noise::spread;
+
 /// Samples of a series; shorter ones have no course and are left as recorded.
 pub(crate) const SHORTEST: usize = 16;
 /// Smoothness asked for: lambda = 4^0 to 4^10, which pass waves longer than some 6 to 200 samples.
@@ -72,16 +74,6 @@ pub(crate) fn cornered(series: &[f64], samples: &[f64], lambda: f64) -> Course {
         }
     }
     Factors::new(samples, &weights, lambda).course(series)
-}
-
-/// Standard deviation by the median, as for normal noise: a few corners do not count.
-pub(crate) fn spread(rest: &[f64]) -> f64 {
-    let mut sizes: Vec<f64> = rest.iter().map(|r| r.abs()).collect();
-    let middle = sizes.len() / 2;
-    if sizes.is_empty() {
-        return 0.0;
-    }
-    1.4826 * *sizes.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// The five diagonals of V + lambda D' W D as L diag(d) L', V the weights of the samples; `one`, `two`: the entries of L below its diagonal.

@@ -2,10 +2,8 @@
 //! taken up in the direction of its first motion; or the play stands as the run before left it, so that a run from rest against that one
 //! crosses the gap first; or it opens only where the joint has no force left, some way after the turn, which between two runs it has not.
 
-use std::collections::BTreeMap;
-
 use friction::{LawKind, ParameterSpec, Scalar};
-use rig::{Cause, Experiment, Place, Reach, Reported, Requirement, RunMotion, Station};
+use rig::{Cause, Experiment, Place, Reach, Requirement, RunMotion, Station};
 
 use super::{grids, marker};
 
@@ -77,58 +75,23 @@ pub struct CarriedBacklash;
 const CARRIED: &str = "carried_between_runs";
 
 impl Cause for CarriedBacklash {
-    fn id(&self) -> &'static str {
-        "backlash"
-    }
-
-    fn variant(&self) -> Option<&'static str> {
-        Some("carried from run to run")
-    }
-
-    fn station(&self) -> Station {
-        Station::Coupling
-    }
-
-    fn reach(&self) -> Reach {
-        Reach::Stage
-    }
-
-    fn describe(&self) -> &'static str {
-        DESCRIPTION
-    }
-
-    fn parameters(&self) -> &'static [ParameterSpec] {
-        PARAMETERS
-    }
-
-    fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
-        bounds(experiment)
-    }
+    marker::marked_form!(Backlash, "carried from run to run", CARRIED);
 
     fn requirements(&self) -> &'static [Requirement] {
         &[Requirement::Order, Requirement::BothDirections]
     }
 
     fn starts(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
-        gaps(experiment)
+        Backlash.starts(experiment)
     }
 
     fn stepped(&self) -> Option<usize> {
-        Some(0)
+        Backlash.stepped()
     }
 
     fn steps_a_sample(&self, _p: &[f64], run: &RunMotion) -> usize {
         let goes = |way: f64| heading_left(run) * way > 0.0 || run.velocity_m_s.iter().any(|v| v * way > 0.0);
         if goes(1.0) && goes(-1.0) { STEPS } else { 1 }
-    }
-
-    fn reported(&self, fitted: &[f64]) -> Vec<Reported> {
-        marker::marked(Backlash.reported(fitted), CARRIED)
-    }
-
-    fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
-        marker::demanded(reported, CARRIED)?;
-        Backlash.from_reported(reported)
     }
 
     fn stage<D: Scalar>(&self, p: &[D], at: Place<'_>, velocity: &mut [D]) {
@@ -270,15 +233,7 @@ impl Cause for HeldBacklash {
 pub struct HeldCarriedBacklash;
 
 impl Cause for HeldCarriedBacklash {
-    marker::form_of!(Backlash, "opens without force, carried from run to run");
-
-    fn parameters(&self) -> &'static [ParameterSpec] {
-        HeldBacklash.parameters()
-    }
-
-    fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
-        HeldBacklash.parameters_for(experiment)
-    }
+    marker::marked_form!(HeldBacklash, "opens without force, carried from run to run", CARRIED);
 
     fn refines(&self) -> bool {
         true
@@ -286,10 +241,6 @@ impl Cause for HeldCarriedBacklash {
 
     fn requirements(&self) -> &'static [Requirement] {
         &[Requirement::Reversals, Requirement::Order, Requirement::BothDirections]
-    }
-
-    fn applies_to(&self, law: LawKind) -> bool {
-        HeldBacklash.applies_to(law)
     }
 
     fn shape_grid(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
@@ -306,15 +257,6 @@ impl Cause for HeldCarriedBacklash {
 
     fn steps_a_sample(&self, p: &[f64], run: &RunMotion) -> usize {
         CarriedBacklash.steps_a_sample(p, run)
-    }
-
-    fn reported(&self, fitted: &[f64]) -> Vec<Reported> {
-        marker::marked(HeldBacklash.reported(fitted), CARRIED)
-    }
-
-    fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
-        marker::demanded(reported, CARRIED)?;
-        HeldBacklash.from_reported(reported)
     }
 
     fn stage<D: Scalar>(&self, p: &[D], at: Place<'_>, velocity: &mut [D]) {
@@ -406,13 +348,13 @@ fn follow<D: Scalar>(
     }
 }
 
-/// A gap that opens `held` after a turn, and at once where the first motion goes against `heading`, in which the play was left: of the way at s after it the share of [s - d/2, s + d/2] is lost that lies within
-/// [held, held + gap]. d is what the stage goes from sample to sample, for where between two of them the play opens no record tells; a
+/// A gap that opens `held` after a turn, and at once where the first motion goes against `left`, the direction in which the play was left: of
+/// the way at s after a turn the share of [s - d/2, s + d/2] is lost that lies within [held, held + gap]. d is what the stage goes from sample to sample, for where between two of them the play opens no record tells; a
 /// sample is not taken while a gap is crossed that is narrower than half of it.
-fn cross_held<D: Scalar>(gap: D, held: D, run: &RunMotion, heading: f64, velocity: &mut [D]) {
+fn cross_held<D: Scalar>(gap: D, held: D, run: &RunMotion, left: f64, velocity: &mut [D]) {
     let none = D::constant(0.0);
     let parts = run.steps_a_sample;
-    let (left, mut heading) = (heading, 0.0);
+    let mut heading = 0.0;
     // Where the gap lies after the last turn, and the way since; taken up: nothing is to be crossed.
     let mut ahead: Option<[D; 2]> = None;
     let mut gone = none;
