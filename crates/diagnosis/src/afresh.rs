@@ -307,6 +307,7 @@ impl Search<'_> {
                     converged: false,
                     friction: OnceLock::new(),
                     paths: paths.into(),
+                    left: OnceLock::new(),
                 })
             })
             .collect();

@@ -11,6 +11,7 @@ use rig::{Cause, Experiment, Model, Paths};
 
 use crate::condense::Condensed;
 use crate::prior::{Prior, append_prior, with_prior_rows};
+use crate::redrawn::{drawn_anew, left};
 use crate::samples::Samples;
 use crate::subset::Subset;
 use crate::ways::Ways;
@@ -35,6 +36,8 @@ pub(crate) struct Bench<'a> {
     pub(crate) step_n: Option<f64>,
     /// Recorded positions against recorded speeds.
     pub(crate) ways: Ways,
+    /// See [`Bench::redrawn`].
+    pub(crate) redrawn: OnceLock<Vec<Experiment>>,
     /// See [`crate::Options::told`].
     pub(crate) told: Option<fn(&str)>,
 }
@@ -64,6 +67,8 @@ pub(crate) struct Fitted {
     pub(crate) friction: OnceLock<Vec<f64>>,
     /// See [`Fitted::paths`].
     pub(crate) paths: OnceLock<Paths>,
+    /// See [`Fitted::left_of_noise`].
+    pub(crate) left: OnceLock<DMatrix<f64>>,
 }
 
 impl Fitted {
@@ -79,6 +84,12 @@ impl Fitted {
     pub(crate) fn paths(&self, bench: &Bench<'_>) -> &Paths {
         let walk = || (self.model).predict_and_keep(&bench.experiment, &self.parameters);
         self.paths.get_or_init(|| walk().1)
+    }
+
+    /// What is left of the noise of recorded velocities, as the model has it (see [`crate::redrawn`]): all samples x draws, N; computed when it
+    /// is first asked for.
+    pub(crate) fn left_of_noise(&self, bench: &Bench<'_>) -> &DMatrix<f64> {
+        self.left.get_or_init(|| left(bench, self))
     }
 
     /// The parameters of the law that have run to a bound, and their values.
@@ -207,6 +218,11 @@ impl<'a> Bench<'a> {
         }
     }
 
+    /// The campaign with noise of its velocities drawn anew (see [`crate::redrawn`]); made when it is first asked for.
+    pub(crate) fn redrawn(&self) -> &[Experiment] {
+        self.redrawn.get_or_init(|| drawn_anew(self))
+    }
+
     /// Names of a subset's runs.
     pub(crate) fn run_names(&self, subset: &Subset) -> Vec<String> {
         let name = |&k: &usize| self.campaign.runs[k].name.clone();
@@ -283,6 +299,7 @@ impl<'a> Bench<'a> {
             model,
             friction: OnceLock::new(),
             paths,
+            left: OnceLock::new(),
         })
     }
 
@@ -337,6 +354,7 @@ impl<'a> Bench<'a> {
             masked: short.masked.clone(),
             step_n: self.step_n,
             ways: self.ways,
+            redrawn: OnceLock::new(),
             told: self.told,
         }
     }
@@ -350,6 +368,7 @@ impl<'a> Bench<'a> {
         stated.parameters[..prior.values.len()].copy_from_slice(&prior.values);
         stated.prediction = stated.model.predict(&self.experiment, &stated.parameters);
         (stated.friction, stated.paths) = (OnceLock::new(), OnceLock::new());
+        stated.left = OnceLock::new();
         stated
     }
 

@@ -27,7 +27,7 @@ const CLIP_OF_JUMPS: f64 = 5.0;
 /// rounding: nothing most of the time, and in stretches whatever roughness carries a level over its edge. Unrest and rhythm cannot be
 /// told from that; a single blow can.
 pub(crate) fn bursts(ground: &Ground, samples: &Samples, names: &[String], beyond: bool) -> Lack {
-    let y = ground.y.rows(0, samples.len()).into_owned();
+    let y = ground.residual_over_left(samples.len());
     let mean_square = y.norm_squared() / y.len().max(1) as f64;
     let y = y.unscale(mean_square.sqrt().max(f64::MIN_POSITIVE));
     let clipped = |at: f64| y.map(|v| v.clamp(-at, at));

@@ -359,6 +359,7 @@ mod tests {
                 converged: true,
                 friction: std::sync::OnceLock::new(),
                 paths: std::sync::OnceLock::new(),
+                left: std::sync::OnceLock::new(),
             }
         };
         let (all, few) = (fitted(&recorded), fitted(&rows));

@@ -96,6 +96,7 @@ pub fn design(campaign: &Campaign, options: &Options) -> Result<Design, Diagnosi
         converged: true,
         friction: OnceLock::new(),
         paths: OnceLock::new(),
+        left: OnceLock::new(),
     };
     let stand = Stand::new(&bench, &subset, fitted, sizes);
     let found = scan_nominal(&bench, &subset, &stand, sizes.scatter);

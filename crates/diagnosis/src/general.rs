@@ -298,7 +298,8 @@ pub(crate) fn test(
         log_p = log_p.min(own);
         // At the scatter of the model as it stands: what only a smaller scatter would make much of is none.
         let statistic = ground.statistic(&direction, scatter);
-        let excess = (statistic - whole.columns as f64).max(0.0);
+        let expected = whole.background * whole.columns as f64;
+        let excess = (statistic - expected).max(0.0);
         if best.as_ref().is_none_or(|b| own < b.0) {
             best = Some((own, f, single, excess));
         }

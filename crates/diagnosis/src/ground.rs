@@ -42,6 +42,8 @@ pub(crate) struct Ground {
     scatters: Vec<(f64, f64)>,
     /// What repeats say of the scatter, where they alone are believed.
     repeats: Option<ScatterEvidence>,
+    /// Draws of what is left of channel noise, see (D15); often none.
+    left: DMatrix<f64>,
 }
 
 /// A tested effect in these coordinates.
@@ -138,7 +140,29 @@ impl Ground {
             turned,
             scatters,
             repeats,
+            left: DMatrix::zeros(residual.len(), 0),
         }
+    }
+
+    /// The same where these whitened draws show what is left of channel noise.
+    pub(crate) fn with_left(mut self, whitened: &DMatrix<f64>) -> Self {
+        self.left = self.project(whitened);
+        self
+    }
+
+    /// By how much the variance along orthonormal directions, in the mean, is larger than one for what is left of channel noise (D15).
+    fn left_along(&self, columns: &DMatrix<f64>) -> f64 {
+        let pairs = (self.left.ncols() * columns.ncols()).max(1);
+        self.left.tr_mul(columns).norm_squared() / pairs as f64
+    }
+
+    /// The projected residual of the first `samples`, each in standard deviations that hold what is left of channel noise.
+    pub(crate) fn residual_over_left(&self, samples: usize) -> DVector<f64> {
+        let draws = self.left.ncols().max(1) as f64;
+        DVector::from_fn(samples, |i, _| {
+            let left = self.left.row(i).norm_squared() / draws;
+            self.y[i] / (1.0 + left).sqrt()
+        })
     }
 
     /// The same questions in the coordinates of a few projected columns F = Q R, which the gains of the runs lie among: for effects F c, whose
@@ -154,6 +178,7 @@ impl Ground {
             turned: self.turned.clone(),
             scatters: self.scatters.clone(),
             repeats: self.repeats.clone(),
+            left: q.tr_mul(&self.left),
         };
         (narrow, r)
     }
@@ -247,6 +272,7 @@ impl Ground {
             scatter: best.1,
             background: 1.0,
         }
+        .over(1.0 + self.left_along(&direction.columns))
     }
 
     /// What -2 log likelihood falls by with a direction in the model, each at its own likeliest scatter. Less than T at the latter where

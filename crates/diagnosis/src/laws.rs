@@ -199,6 +199,7 @@ fn with_law<'a>(bench: &Bench<'a>, law: LawKind) -> Option<Bench<'a>> {
         masked: bench.masked.clone(),
         step_n: bench.step_n,
         ways: bench.ways,
+        redrawn: bench.redrawn.clone(),
         told: None,
     })
 }

@@ -50,6 +50,7 @@ mod prepare;
 mod prior;
 mod probability;
 mod proposal;
+mod redrawn;
 mod refusal;
 mod rhythm;
 mod rises;

@@ -317,5 +317,6 @@ pub(crate) fn bare(bench: &Bench<'_>, fitted: &Fitted, k: usize) -> Option<Fitte
         converged: fitted.converged,
         friction: OnceLock::new(),
         paths: OnceLock::new(),
+        left: OnceLock::new(),
     })
 }

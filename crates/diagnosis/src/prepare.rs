@@ -1,5 +1,7 @@
 //! From a campaign and a question to the bench: the law, the catalogue, what a model file knows, samples that say nothing.
 
+use std::sync::OnceLock;
+
 use campaign::{Campaign, Protocol};
 use friction::LawKind;
 use rig::{Experiment, ModelFile};
@@ -73,6 +75,7 @@ pub(crate) fn bench<'a>(
         campaign,
         samples,
         ways: Ways::of(&experiment),
+        redrawn: OnceLock::new(),
         told: options.told,
         experiment,
         law,

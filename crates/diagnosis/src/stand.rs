@@ -88,6 +88,8 @@ pub(crate) struct Stand {
     white: DVector<f64>,
     /// Condition of each run.
     conditions: Vec<usize>,
+    /// What is left of channel noise, whitened, with the prior's rows.
+    white_left: DMatrix<f64>,
     /// Rows that a prior adds.
     pub(crate) prior_rows: usize,
     /// -2 log likelihood, the scatter between runs at its likeliest.
@@ -126,7 +128,11 @@ impl Stand {
             &owners,
         );
         let prior_rows = prior.map_or(0, |p| p.values.len());
-        let ground = Ground::new(&white_jacobian, &white_gains, &white, &conditions);
+        let left = whitener.whiten_columns(&subset.gather_columns(fitted.left_of_noise(bench)));
+        let rows = left.nrows() + prior_rows;
+        let white_left = left.resize_vertically(rows, 0.0);
+        let ground =
+            Ground::new(&white_jacobian, &white_gains, &white, &conditions).with_left(&white_left);
         Self {
             fitted,
             sizes,
@@ -138,6 +144,7 @@ impl Stand {
             white_gains,
             white,
             conditions,
+            white_left,
             prior_rows,
             deviance,
         }
@@ -178,12 +185,7 @@ impl Stand {
             self.whitener.whiten(&left),
             &self.fitted.parameters,
         );
-        Some(Ground::new(
-            &self.white_jacobian,
-            &self.white_gains,
-            &white,
-            &self.conditions,
-        ))
+        Some(self.ground_of(&self.white_jacobian, &white))
     }
 
     /// The ground with these whitened columns in the model, too.
@@ -194,7 +196,12 @@ impl Stand {
             .clone()
             .resize_horizontally(p + white.ncols(), 0.0);
         model.view_mut((0, p), (n, white.ncols())).copy_from(white);
-        Ground::new(&model, &self.white_gains, &self.white, &self.conditions)
+        self.ground_of(&model, &self.white)
+    }
+
+    /// The ground of a whitened model and residual.
+    fn ground_of(&self, model: &DMatrix<f64>, white: &DVector<f64>) -> Ground {
+        Ground::new(model, &self.white_gains, white, &self.conditions).with_left(&self.white_left)
     }
 
     /// Whitened gains of the runs, with the prior's rows.

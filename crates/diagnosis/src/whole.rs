@@ -82,6 +82,7 @@ pub(crate) fn of_all_samples(recorded: &Bench<'_>, fitted: &Fitted) -> Fitted {
         model,
         friction: OnceLock::new(),
         paths: OnceLock::new(),
+        left: OnceLock::new(),
         ..fitted.clone()
     }
 }
