@@ -5,7 +5,7 @@
 //! course z the stage's motion, with noise of the same spread drawn anew and smoothed again to z', shows how large it is:
 //!
 //! ```text
-//! l_m = F(z'_m) - F(z),   var(u'r~) = 1 + mean_m (u'l~_m)^2                                            (D15)
+//! l_m = F(z'_m) - F(z),   var(u'r~) = 1 + mean_m (u'l~_m)^2                                             (M5)
 //! ```
 //!
 //! F being the prediction, r~ and l~ residual and draws as the ground has them (whitened, the model's directions taken out), u a unit vector
@@ -54,7 +54,7 @@ pub(crate) fn drawn_anew(bench: &Bench<'_>) -> Vec<Experiment> {
     drawn.into_iter().flatten().collect()
 }
 
-/// l of (D15) as columns, all samples x draws, N.
+/// l of (M5) as columns, all samples x draws, N.
 pub(crate) fn left(bench: &Bench<'_>, fitted: &Fitted) -> DMatrix<f64> {
     let drawn = bench.redrawn();
     let columns: Vec<Vec<f64>> = drawn
