@@ -6,12 +6,11 @@
 //! their likelihoods, each with the noise that its own residual shows.
 
 use std::cmp::Ordering;
-use std::sync::OnceLock;
 
 use fitting::noise::{Sizes, Whitener};
 use rayon::prelude::*;
 
-use crate::bench::{Bench, Fitted};
+use crate::bench::{Bench, Beside, Fitted};
 use crate::joint::{is_dear, search_price};
 use crate::scan::{Scan, extended};
 use crate::selection::Warm;
@@ -305,9 +304,7 @@ impl Search<'_> {
                     prediction,
                     cost,
                     converged: false,
-                    friction: OnceLock::new(),
-                    paths: paths.into(),
-                    left: OnceLock::new(),
+                    beside: Beside::along(paths),
                 })
             })
             .collect();

@@ -63,19 +63,32 @@ pub(crate) struct Fitted {
     /// 1/2 |W r|^2 at the end of the fit.
     pub(crate) cost: f64,
     pub(crate) converged: bool,
-    /// See [`Fitted::friction`].
-    pub(crate) friction: OnceLock<Vec<f64>>,
-    /// See [`Fitted::paths`].
-    pub(crate) paths: OnceLock<Paths>,
-    /// See [`Fitted::left_of_noise`].
-    pub(crate) left: OnceLock<DMatrix<f64>>,
+    pub(crate) beside: Beside,
+}
+
+/// What is computed beside a fit when it is first asked for.
+#[derive(Clone, Default)]
+pub(crate) struct Beside {
+    friction: OnceLock<Vec<f64>>,
+    paths: OnceLock<Paths>,
+    left: OnceLock<DMatrix<f64>>,
+}
+
+impl Beside {
+    /// The paths of the contact's state are known.
+    pub(crate) fn along(paths: Paths) -> Self {
+        Self {
+            paths: paths.into(),
+            ..Self::default()
+        }
+    }
 }
 
 impl Fitted {
     /// The part of the prediction that follows friction, stacked over all runs; computed when it is first asked for.
     pub(crate) fn friction(&self, bench: &Bench<'_>) -> &[f64] {
-        self.friction.get_or_init(|| {
-            let known = self.paths.get().unwrap_or(Paths::NONE);
+        self.beside.friction.get_or_init(|| {
+            let known = self.beside.paths.get().unwrap_or(Paths::NONE);
             (self.model).friction_beside(&bench.experiment, &self.parameters, known)
         })
     }
@@ -83,13 +96,13 @@ impl Fitted {
     /// The paths of the contact's state, walked when they are first asked for: what a further cause does is computed along them.
     pub(crate) fn paths(&self, bench: &Bench<'_>) -> &Paths {
         let walk = || (self.model).predict_and_keep(&bench.experiment, &self.parameters);
-        self.paths.get_or_init(|| walk().1)
+        self.beside.paths.get_or_init(|| walk().1)
     }
 
     /// What is left of the noise of recorded velocities, as the model has it (see [`crate::redrawn`]): all samples x draws, N; computed when it
     /// is first asked for.
     pub(crate) fn left_of_noise(&self, bench: &Bench<'_>) -> &DMatrix<f64> {
-        self.left.get_or_init(|| left(bench, self))
+        self.beside.left.get_or_init(|| left(bench, self))
     }
 
     /// The parameters of the law that have run to a bound, and their values.
@@ -284,11 +297,11 @@ impl<'a> Bench<'a> {
         {
             fit = other;
         }
-        let paths: OnceLock<Paths> = match problem.looked_at(&fit.parameters) {
-            Some(looked) => looked.paths.into(),
-            None => OnceLock::new(),
+        let beside = match problem.looked_at(&fit.parameters) {
+            Some(looked) => Beside::along(looked.paths),
+            None => Beside::default(),
         };
-        let known = paths.get().unwrap_or(Paths::NONE);
+        let known = beside.paths.get().unwrap_or(Paths::NONE);
         let prediction = model.predict_beside(&self.experiment, &fit.parameters, known);
         Some(Fitted {
             effects: effects.to_vec(),
@@ -297,9 +310,7 @@ impl<'a> Bench<'a> {
             converged: fit.status.converged(),
             parameters: fit.parameters,
             model,
-            friction: OnceLock::new(),
-            paths,
-            left: OnceLock::new(),
+            beside,
         })
     }
 
@@ -367,8 +378,7 @@ impl<'a> Bench<'a> {
         let mut stated = fitted.clone();
         stated.parameters[..prior.values.len()].copy_from_slice(&prior.values);
         stated.prediction = stated.model.predict(&self.experiment, &stated.parameters);
-        (stated.friction, stated.paths) = (OnceLock::new(), OnceLock::new());
-        stated.left = OnceLock::new();
+        stated.beside = Beside::default();
         stated
     }
 

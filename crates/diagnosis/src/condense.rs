@@ -357,9 +357,7 @@ mod tests {
                 model,
                 cost: 0.0,
                 converged: true,
-                friction: std::sync::OnceLock::new(),
-                paths: std::sync::OnceLock::new(),
-                left: std::sync::OnceLock::new(),
+                beside: crate::bench::Beside::default(),
             }
         };
         let (all, few) = (fitted(&recorded), fitted(&rows));

@@ -2,15 +2,13 @@
 //!
 //! Nothing of the recorded forces is read: they are replaced by a nominal friction before anything is computed.
 
-use std::sync::OnceLock;
-
 use campaign::{Campaign, InitialState};
 use fitting::noise::Sizes;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::answer::{Design, Hidden, NoiseFloor};
-use crate::bench::Fitted;
+use crate::bench::{Beside, Fitted};
 use crate::diagnose::{DiagnosisError, Options};
 use crate::equivalence::{flattened, sine};
 use crate::floor;
@@ -94,9 +92,7 @@ pub fn design(campaign: &Campaign, options: &Options) -> Result<Design, Diagnosi
         prediction,
         cost: 0.0,
         converged: true,
-        friction: OnceLock::new(),
-        paths: OnceLock::new(),
-        left: OnceLock::new(),
+        beside: Beside::default(),
     };
     let stand = Stand::new(&bench, &subset, fitted, sizes);
     let found = scan_nominal(&bench, &subset, &stand, sizes.scatter);

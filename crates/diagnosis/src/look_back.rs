@@ -1,11 +1,9 @@
 //! What a further cause makes of the causes before it: one other cause alone may do as well as the pair, one may have become
 //! idle, and one may have been the best name only as long as its neighbour was missing.
 
-use std::sync::OnceLock;
-
 use rayon::prelude::*;
 
-use crate::bench::{Bench, Fitted};
+use crate::bench::{Bench, Beside, Fitted};
 use crate::joint::{joint_fits, search_price, survivors};
 use crate::proposal::SURVIVORS;
 use crate::scan::{Candidate, Scan, scan, scan_period};
@@ -315,8 +313,6 @@ pub(crate) fn bare(bench: &Bench<'_>, fitted: &Fitted, k: usize) -> Option<Fitte
         prediction,
         cost: f64::INFINITY,
         converged: fitted.converged,
-        friction: OnceLock::new(),
-        paths: OnceLock::new(),
-        left: OnceLock::new(),
+        beside: Beside::default(),
     })
 }

@@ -1,11 +1,9 @@
 //! The whole record behind the one that was searched: the last fit, and every error that is stated, use all samples.
 
-use std::sync::OnceLock;
-
 use fitting::noise::Whitener;
 use rig::Model;
 
-use crate::bench::{Bench, Fitted};
+use crate::bench::{Bench, Beside, Fitted};
 use crate::joint::is_dear;
 use crate::selection::Selected;
 use crate::subset::Subset;
@@ -80,9 +78,7 @@ pub(crate) fn of_all_samples(recorded: &Bench<'_>, fitted: &Fitted) -> Fitted {
     Fitted {
         prediction: model.predict(&recorded.experiment, &fitted.parameters),
         model,
-        friction: OnceLock::new(),
-        paths: OnceLock::new(),
-        left: OnceLock::new(),
+        beside: Beside::default(),
         ..fitted.clone()
     }
 }
