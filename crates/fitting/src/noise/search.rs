@@ -51,7 +51,7 @@ pub(super) fn minimise(
     for _ in 0..most_iterations {
         let mut direction = step_within(&x, &slope, &inverse, bounds);
         if direction.dot(&slope) >= 0.0 {
-            direction = -&slope * 0.05;
+            direction = clamp(&(&x - &slope * 0.05)) - &x;
         }
         let longest = direction.amax();
         if longest > 1.5 {
@@ -217,6 +217,15 @@ pub(super) fn standard_deviations(f: &(dyn Fn(&[f64]) -> f64 + Sync), x: &[f64])
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Where every coordinate presses on its bound the search has come to its end.
+    #[test]
+    fn a_corner_is_an_end() {
+        let plane = |x: &[f64]| 10.0 * x[0] - 20.0 * x[1];
+        let found = minimise(&plane, &[0.0, 1.0], None, &[(0.0, 1.0), (0.0, 1.0)], 25);
+        assert!(found.converged);
+        assert_eq!((found.point, found.evaluations), (vec![0.0, 1.0], 3));
+    }
 
     /// A narrow valley that a bound cuts: along it the second coordinate presses on its bound, and the first has its minimum beside it where
     /// the slope there says. With the curvature known one step leads there, however far the first one might go with the second free.
