@@ -74,6 +74,16 @@ pub(crate) struct Beside {
     left: OnceLock<DMatrix<f64>>,
 }
 
+/// What a cell holds, computed when it is first asked for: outside of the cell, for a thread that waits for others within may be given work
+/// that asks for the same.
+fn kept<T>(cell: &OnceLock<T>, compute: impl FnOnce() -> T) -> &T {
+    if let Some(known) = cell.get() {
+        return known;
+    }
+    let computed = compute();
+    cell.get_or_init(|| computed)
+}
+
 impl Beside {
     /// The paths of the contact's state are known.
     pub(crate) fn along(paths: Paths) -> Self {
@@ -87,22 +97,23 @@ impl Beside {
 impl Fitted {
     /// The part of the prediction that follows friction, stacked over all runs; computed when it is first asked for.
     pub(crate) fn friction(&self, bench: &Bench<'_>) -> &[f64] {
-        self.beside.friction.get_or_init(|| {
+        kept(&self.beside.friction, || {
             let known = self.beside.paths.get().unwrap_or(Paths::NONE);
             (self.model).friction_beside(&bench.experiment, &self.parameters, known)
         })
+        .as_slice()
     }
 
     /// The paths of the contact's state, walked when they are first asked for: what a further cause does is computed along them.
     pub(crate) fn paths(&self, bench: &Bench<'_>) -> &Paths {
         let walk = || (self.model).predict_and_keep(&bench.experiment, &self.parameters);
-        self.beside.paths.get_or_init(|| walk().1)
+        kept(&self.beside.paths, || walk().1)
     }
 
     /// What is left of the noise of recorded velocities, as the model has it (see [`crate::redrawn`]): all samples x draws, N; computed when it
     /// is first asked for.
     pub(crate) fn left_of_noise(&self, bench: &Bench<'_>) -> &DMatrix<f64> {
-        self.beside.left.get_or_init(|| left(bench, self))
+        kept(&self.beside.left, || left(bench, self))
     }
 
     /// The parameters of the law that have run to a bound, and their values.
@@ -233,7 +244,7 @@ impl<'a> Bench<'a> {
 
     /// The campaign with noise of its velocities drawn anew (see [`crate::redrawn`]); made when it is first asked for.
     pub(crate) fn redrawn(&self) -> &[Experiment] {
-        self.redrawn.get_or_init(|| drawn_anew(self))
+        kept(&self.redrawn, || drawn_anew(self)).as_slice()
     }
 
     /// Names of a subset's runs.
@@ -349,9 +360,7 @@ impl<'a> Bench<'a> {
         samples.averaged = short.averaged.clone();
         let mut experiment = Experiment::new(&short.campaign).expect("what moves goes on moving");
         for (run, own) in experiment.runs.iter_mut().zip(&self.experiment.runs) {
-            run.started_s = own.started_s;
-            run.rest_s = own.rest_s;
-            run.prior_distance_m = own.prior_distance_m;
+            run.take_past_of(own);
         }
         Bench {
             campaign: &short.campaign,

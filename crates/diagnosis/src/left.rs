@@ -29,29 +29,31 @@ pub(crate) fn lack(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Lack {
         .copied()
         .collect();
     let names = bench.run_names(subset);
-    let recorded = subset.gather(&stand.fitted.prediction);
-    let families = general::families(&samples, &scale, recorded.as_slice(), stand.sizes.length);
-    let white: Vec<DMatrix<f64>> = families
-        .iter()
-        .map(|f| stand.whiten_own(&f.columns))
-        .collect();
     let coarse = stand.beyond_rounding(bench, subset);
     let ground = coarse.as_ref().unwrap_or(&stand.ground);
-    let smooth = general::test(ground, &families, &white, &samples, &names);
-    let burst = bursts(ground, &samples, &names, coarse.is_some());
-    let mark = marks::strongest(bench, subset, stand, ground);
-    let mark = mark.map_or_else(Lack::nothing, Mark::lack);
-    let pattern = patterns(ground, stand.white_gains(), &samples, &names);
-    let shift = shifts(stand, ground, &samples, &scale, &names);
+    let smooth = || {
+        let recorded = subset.gather(&stand.fitted.prediction);
+        let length = stand.sizes.length;
+        let families = general::families(&samples, &scale, recorded.as_slice(), length);
+        let each = families.iter();
+        let white: Vec<DMatrix<f64>> = each.map(|f| stand.whiten_own(&f.columns)).collect();
+        general::test(ground, &families, &white, &samples, &names)
+    };
+    let mark = || marks::strongest(bench, subset, stand, ground);
+    let others = || {
+        let pattern = patterns(ground, stand.white_gains(), &samples, &names);
+        let shift = shifts(stand, ground, &samples, &scale, &names);
+        let line = line_in_time(bench, subset, stand, &samples, &scale);
+        let burst = bursts(ground, &samples, &names, coarse.is_some());
+        (burst, [Some(pattern), Some(shift), line])
+    };
+    let (mark, (smooth, (burst, small))) = rayon::join(mark, || rayon::join(smooth, others));
     let paid = |mut lack: Lack, share: f64| {
         lack.log_p = (lack.log_p - share.ln()).min(0.0);
         lack
     };
-    let mark = paid(mark, SMALL_SHARE);
-    let line = line_in_time(bench, subset, stand, &samples, &scale);
-    let small: Vec<Lack> = [Some(pattern), Some(shift), line]
-        .into_iter()
-        .flatten()
+    let mark = paid(mark.map_or_else(Lack::nothing, Mark::lack), SMALL_SHARE);
+    let small: Vec<Lack> = (small.into_iter().flatten())
         .map(|lack| paid(lack, SMALL_SHARE))
         .collect();
     let half = 0.5 - 0.5 * (1 + small.len()) as f64 * SMALL_SHARE;

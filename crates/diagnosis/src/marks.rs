@@ -10,6 +10,7 @@
 //! what its likelihood gains, each model under its own noise.
 
 use fitting::noise::Sizes;
+use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::answer::Place;
@@ -105,7 +106,7 @@ fn scored(ground: &Ground, sums: &Sums, shapes: Vec<Shape>) -> Vec<Scored> {
             z: score.signed_z(),
         })
     };
-    shapes.into_iter().filter_map(score).collect()
+    shapes.into_par_iter().filter_map(score).collect()
 }
 
 fn largest(marks: &[Scored]) -> Option<Scored> {

@@ -2,6 +2,7 @@
 //! steps from which on it is raised.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use crate::ground::{Direction, Ground};
 use crate::samples::Samples;
@@ -112,11 +113,12 @@ pub(crate) fn closely(
         let columns: Vec<DMatrix<f64>> = columns.collect();
         let all = DMatrix::from_fn(friction.len(), courses.len(), |i, j| columns[j][i]);
         let white = stand.whiten_own(&all);
-        let explained = (0..courses.len()).filter_map(|j| {
+        let explained = (0..courses.len()).into_par_iter().filter_map(|j| {
             let direction = stand.ground.direction(&white.columns(j, 1).into_owned())?;
             Some((stand.ground.explained(&direction), courses[j]))
         });
-        let (_, course) = explained.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let explained: Vec<(f64, Course)> = explained.collect();
+        let (_, course) = (explained.into_iter()).max_by(|a, b| a.0.total_cmp(&b.0))?;
         extent = course.extent(extent.1 - extent.0);
         best = Some(course);
     }

@@ -42,10 +42,7 @@ pub(crate) fn drawn_anew(bench: &Bench<'_>) -> Vec<Experiment> {
         }
         let mut drawn = Experiment::new(&campaign).ok()?;
         for (run, own) in drawn.runs.iter_mut().zip(&experiment.runs) {
-            run.started_s = own.started_s;
-            run.rest_s = own.rest_s;
-            run.prior_distance_m = own.prior_distance_m;
-            run.heading_before = own.heading_before;
+            run.take_past_of(own);
         }
         // Noise that is not seen in a draw would be in the motion there.
         (drawn.channel_noise.velocity_m_s.is_some()).then_some(drawn)

@@ -129,8 +129,7 @@ impl Stand {
         );
         let prior_rows = prior.map_or(0, |p| p.values.len());
         let left = whitener.whiten_columns(&subset.gather_columns(fitted.left_of_noise(bench)));
-        let rows = left.nrows() + prior_rows;
-        let white_left = left.resize_vertically(rows, 0.0);
+        let white_left = append_prior(prior, left, &[]);
         let ground =
             Ground::new(&white_jacobian, &white_gains, &white, &conditions).with_left(&white_left);
         Self {

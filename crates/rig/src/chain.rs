@@ -1,8 +1,9 @@
 //! One campaign through the chain, for one scalar.
 
-use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 use friction::{Aged, IntegrationError, Law, Scalar};
+use rayon::prelude::*;
 
 use crate::along::Move;
 use crate::contact::Walks;
@@ -30,27 +31,48 @@ pub(crate) struct Pass<'a, D> {
 impl<D: ChainScalar> Pass<'_, D> {
     /// Recorded force of all runs, N; NaN over a run whose state leaves the numbers.
     pub(crate) fn predict(&self) -> Vec<D> {
-        let mut memories: Vec<Vec<D>> = self
-            .model
-            .effects
-            .iter()
-            .map(|cause| vec![D::constant(0.0); cause.memory()])
-            .collect();
+        let runs = &self.experiment.runs;
+        let done = Done::new(self);
+        let each = if self.remembers() {
+            let mut memories = self.blank();
+            let one = |(index, run)| self.run(index, run, &mut memories, &done);
+            runs.iter().enumerate().map(one).collect()
+        } else {
+            self.side_by_side(&done)
+        };
         let mut out = Vec::with_capacity(self.experiment.samples());
-        let mut done = Done::new(self);
-        for (index, run) in self.experiment.runs.iter().enumerate() {
-            if !self.experiment.has_order {
-                memories
-                    .iter_mut()
-                    .flatten()
-                    .for_each(|m| *m = D::constant(0.0));
-            }
-            match self.run(index, run, &mut memories, &mut done) {
+        for (force, run) in each.into_iter().zip(runs) {
+            match force {
                 Ok(force) => out.extend(force),
                 Err(_) => out.resize(out.len() + run.len(), D::constant(f64::NAN)),
             }
         }
         out
+    }
+
+    /// Runs that know nothing of one another, on all threads: those first whose mechanics serve others.
+    fn side_by_side(&self, done: &Done<D>) -> Vec<Forces<D>> {
+        let runs = self.experiment.runs.par_iter().enumerate();
+        let one = |index, run| self.run(index, run, &mut self.blank(), done);
+        let first: Vec<Option<Forces<D>>> = runs
+            .clone()
+            .map(|(index, run)| (!done.waits(index, run)).then(|| one(index, run)))
+            .collect();
+        runs.zip(first)
+            .map(|((index, run), known)| known.unwrap_or_else(|| one(index, run)))
+            .collect()
+    }
+
+    /// Whether what a run has left behind reaches the runs after it.
+    fn remembers(&self) -> bool {
+        let mut effects = self.model.effects.iter().zip(&self.active);
+        self.experiment.has_order && effects.any(|(cause, &active)| active && cause.memory() > 0)
+    }
+
+    /// What the effects know before the first run.
+    fn blank(&self) -> Vec<Vec<D>> {
+        let memories = self.model.effects.iter().map(|cause| cause.memory());
+        memories.map(|held| vec![D::constant(0.0); held]).collect()
     }
 
     pub(crate) fn acts(&self, reach: Reach) -> bool {
@@ -79,8 +101,8 @@ impl<D: ChainScalar> Pass<'_, D> {
         index: usize,
         run: &RunMotion,
         memories: &mut [Vec<D>],
-        done: &mut Done<D>,
-    ) -> Result<Vec<D>, IntegrationError> {
+        done: &Done<D>,
+    ) -> Forces<D> {
         let at = Place {
             experiment: self.experiment,
             run,
@@ -152,7 +174,7 @@ impl<D: ChainScalar> Pass<'_, D> {
         &self,
         contact: &Contact<'_, D>,
         twin: usize,
-        done: &mut Done<D>,
+        done: &Done<D>,
     ) -> Result<Vec<D>, IntegrationError> {
         if let Some(same) = done.rigid(twin) {
             return Ok(same.to_vec());
@@ -364,12 +386,15 @@ fn beside<D: Scalar>(fine: &[D], at_samples: &[D], parts: usize) -> Vec<D> {
     fine.iter().zip(chords).map(|(&f, c)| f - c).collect()
 }
 
+/// The recorded force at the samples of a run, N.
+type Forces<D> = Result<Vec<D>, IntegrationError>;
+
 /// Mechanics of runs that others repeat, see [`RunMotion::twin`].
 struct Done<D> {
     /// Whether a run's mechanics serve another.
     wanted: Vec<bool>,
-    rigid: BTreeMap<usize, Vec<D>>,
-    corded: BTreeMap<usize, Vec<D>>,
+    rigid: Vec<OnceLock<Vec<D>>>,
+    corded: Vec<OnceLock<Vec<D>>>,
 }
 
 impl<D: ChainScalar> Done<D> {
@@ -387,30 +412,36 @@ impl<D: ChainScalar> Done<D> {
                 wanted[run.twin] |= run.twin != index;
             }
         }
+        let places = || runs.iter().map(|_| OnceLock::new()).collect();
         Self {
             wanted,
-            rigid: BTreeMap::new(),
-            corded: BTreeMap::new(),
+            rigid: places(),
+            corded: places(),
         }
+    }
+
+    /// Whether a run's mechanics are those of one before it.
+    fn waits(&self, index: usize, run: &RunMotion) -> bool {
+        run.twin != index && self.wanted[run.twin]
     }
 
     fn rigid(&self, twin: usize) -> Option<&[D]> {
-        self.rigid.get(&twin).map(Vec::as_slice)
+        self.rigid[twin].get().map(Vec::as_slice)
     }
 
     fn corded(&self, twin: usize) -> Option<&[D]> {
-        self.corded.get(&twin).map(Vec::as_slice)
+        self.corded[twin].get().map(Vec::as_slice)
     }
 
-    fn keep_rigid(&mut self, index: usize, force: &[D]) {
+    fn keep_rigid(&self, index: usize, force: &[D]) {
         if self.wanted[index] {
-            self.rigid.insert(index, force.to_vec());
+            self.rigid[index].get_or_init(|| force.to_vec());
         }
     }
 
-    fn keep_corded(&mut self, index: usize, force: &[D]) {
+    fn keep_corded(&self, index: usize, force: &[D]) {
         if self.wanted[index] {
-            self.corded.insert(index, force.to_vec());
+            self.corded[index].get_or_init(|| force.to_vec());
         }
     }
 }

@@ -3,8 +3,7 @@
 //! Derivatives come in several passes over the same motions: some columns at a time, and once for what leaves the state alone. The
 //! state's path is the same in all of them, unless an effect at its null takes part for its derivatives and asks for other knots.
 
-use std::cell::RefCell;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use friction::{IntegrationError, Law, Path, Record, Scalar, integrate};
 
@@ -17,10 +16,11 @@ const ROUNDING: f64 = 1e-13;
 #[derive(Clone, Default)]
 pub struct Paths(Vec<Option<Arc<Walked>>>);
 
-/// The paths of a pass: those that are known, and those that it walks, kept for the passes that follow it or forgotten.
+/// The paths of a pass: those that are known, and those that it walks, kept for the passes that follow it (each in its own place, so that runs
+/// may be walked side by side) or forgotten.
 pub(crate) struct Walks<'a> {
     known: &'a Paths,
-    own: Option<RefCell<Paths>>,
+    own: Option<Vec<Mutex<Option<Arc<Walked>>>>>,
 }
 
 /// A path with what it was walked for.
@@ -43,18 +43,11 @@ impl Paths {
     fn of(&self, run: usize) -> Option<&Arc<Walked>> {
         self.0.get(run)?.as_ref()
     }
-
-    fn keep(&mut self, run: usize, walked: Arc<Walked>) {
-        if self.0.len() <= run {
-            self.0.resize(run + 1, None);
-        }
-        self.0[run] = Some(walked);
-    }
 }
 
 impl<'a> Walks<'a> {
-    pub(crate) fn kept(known: &'a Paths) -> Self {
-        let own = Some(RefCell::default());
+    pub(crate) fn kept(known: &'a Paths, places: usize) -> Self {
+        let own = Some((0..places).map(|_| Mutex::default()).collect());
         Self { known, own }
     }
 
@@ -64,7 +57,9 @@ impl<'a> Walks<'a> {
 
     /// All paths that were walked or served.
     pub(crate) fn into_paths(self) -> Paths {
-        self.own.map(RefCell::into_inner).unwrap_or_default()
+        let walked = self.own.into_iter().flatten();
+        let inner = |place: Mutex<_>| place.into_inner().unwrap_or_else(PoisonError::into_inner);
+        Paths(walked.map(inner).collect())
     }
 
     /// Coefficient of friction at the samples of a run, with derivatives if `varies` and paths are kept.
@@ -88,12 +83,17 @@ impl<'a> Walks<'a> {
             let states = integrate(&real, &motion, start)?;
             return Ok(constant(&real.coefficients(&motion, &states)));
         };
-        let mut own = own.borrow_mut();
-        let walked = match own.of(run).filter(fits).or(self.known.of(run).filter(fits)) {
+        let place = || own[run].lock().unwrap_or_else(PoisonError::into_inner);
+        let last = place().clone();
+        let walked = match last
+            .as_ref()
+            .filter(fits)
+            .or(self.known.of(run).filter(fits))
+        {
             Some(walked) => Arc::clone(walked),
             None => Arc::new(Walked::new(real, &motion, start)?),
         };
-        own.keep(run, Arc::clone(&walked));
+        *place() = Some(Arc::clone(&walked));
         if D::NDERIV == 0 || !varies {
             return Ok(constant(&walked.coefficients));
         }

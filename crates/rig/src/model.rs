@@ -231,9 +231,15 @@ impl Model {
         experiment: &Experiment,
         parameters: &[f64],
     ) -> (Vec<f64>, Paths) {
-        let walks = Walks::kept(Paths::NONE);
+        let walks = Walks::kept(Paths::NONE, self.most_walks(experiment));
         let values = self.predict_along(experiment, parameters, &walks);
         (values, walks.into_paths())
+    }
+
+    /// Paths that one pass walks at most: one a run, and one for each law that an effect moves its law towards.
+    fn most_walks(&self, experiment: &Experiment) -> usize {
+        let reaches = self.effects.iter().map(|cause| cause.reach());
+        experiment.runs.len() * (1 + reaches.filter(|reach| *reach == Reach::Along).count())
     }
 
     fn predict_along(
@@ -292,7 +298,7 @@ impl Model {
         parameters: &[f64],
         columns: Option<&[usize]>,
     ) -> (Vec<f64>, DMatrix<f64>) {
-        let walks = Walks::kept(Paths::NONE);
+        let walks = Walks::kept(Paths::NONE, self.most_walks(experiment));
         let values = self.predict_along(experiment, parameters, &walks);
         let every: Vec<usize>;
         let columns = match columns {
@@ -320,7 +326,7 @@ impl Model {
         paths: &Paths,
     ) -> DMatrix<f64> {
         self.assert_complete(parameters);
-        let walks = Walks::kept(paths);
+        let walks = Walks::kept(paths, self.most_walks(experiment));
         jacobian::columns(self, experiment, parameters, columns, &walks)
     }
 
