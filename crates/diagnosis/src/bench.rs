@@ -17,6 +17,7 @@ use crate::subset::Subset;
 use crate::ways::Ways;
 
 /// Everything that stays the same while hypotheses come and go.
+#[derive(Clone)]
 pub(crate) struct Bench<'a> {
     pub(crate) campaign: &'a Campaign,
     pub(crate) experiment: Experiment,
@@ -358,7 +359,8 @@ impl<'a> Bench<'a> {
     pub(crate) fn condensed<'c>(&self, short: &'c Condensed) -> Bench<'c> {
         let mut samples = Samples::new(&short.campaign);
         samples.averaged = short.averaged.clone();
-        let mut experiment = Experiment::new(&short.campaign).expect("what moves goes on moving");
+        let experiment = Experiment::new(&short.campaign).expect("what moves goes on moving");
+        let mut experiment = experiment.moving_as(&self.experiment);
         for (run, own) in experiment.runs.iter_mut().zip(&self.experiment.runs) {
             run.take_past_of(own);
         }
@@ -366,16 +368,10 @@ impl<'a> Bench<'a> {
             campaign: &short.campaign,
             experiment,
             samples,
-            law: self.law,
-            catalogue: self.catalogue.iter().map(|c| c.boxed()).collect(),
-            prior: self.prior.clone(),
-            stated_sensor: self.stated_sensor,
             conditions: conditions(&short.campaign),
             masked: short.masked.clone(),
-            step_n: self.step_n,
-            ways: self.ways,
             redrawn: OnceLock::new(),
-            told: self.told,
+            ..self.clone()
         }
     }
 

@@ -6,6 +6,7 @@ use rig::{Experiment, ModelFile};
 
 use crate::answer::{Diagnosis, Undecidable};
 use crate::bench::{Bench, Fitted};
+use crate::chords::along_chords;
 use crate::condense::{Condensed, condense};
 use crate::curves::{Curves, curves};
 use crate::equivalence::Contest;
@@ -29,6 +30,9 @@ const SECOND_LOOKS: usize = 2;
 const ALIKE: f64 = 2.0;
 /// Rows' errors that changed by less than this share of the force are the same.
 const ROWS_AGREE: f64 = 1e-3;
+
+/// What a reader is told of a stage that went along the chords of its recorded velocity.
+const STRAIGHT: &str = "the force says that the stage's velocity was straight between its samples, and not as smooth as these look";
 
 /// What the reader asks.
 #[derive(Clone, Debug, Default)]
@@ -92,7 +96,7 @@ pub fn diagnose_fully(
     options: &Options,
 ) -> Result<Diagnosed, DiagnosisError> {
     let excerpt = Excerpt::of(whole_campaign);
-    let every_run = excerpt
+    let mut every_run = excerpt
         .as_ref()
         .map(|_| Experiment::new(whole_campaign))
         .transpose()?;
@@ -103,12 +107,24 @@ pub fn diagnose_fully(
     }
     let condensed = condense(campaign, &recorded.samples, &recorded.masked);
     let mut short = condensed.as_ref().map(|c| recorded.condensed(c));
-    let no_fit = DiagnosisError::NoFit(recorded.law.id());
+    let no_fit = || DiagnosisError::NoFit(recorded.law.id());
+    let mut went_straight = false;
     let selected = match (&condensed, &mut short) {
-        (Some(rows), Some(short)) => select_on_rows(&recorded, rows, short),
-        _ => select(&recorded, &Subset::all(&recorded), Depth::Full, None),
-    }
-    .ok_or(no_fit)?;
+        (Some(rows), Some(short)) => select_on_rows(&recorded, rows, short).ok_or_else(no_fit)?,
+        _ => {
+            let all = Subset::all(&recorded);
+            let bent = select(&recorded, &all, Depth::Full, None).ok_or_else(no_fit)?;
+            match along_chords(&recorded, &bent) {
+                Some((straight, selected)) => {
+                    every_run = every_run.map(|all| all.moving_as(&straight.experiment));
+                    recorded = straight;
+                    went_straight = true;
+                    selected
+                }
+                None => bent,
+            }
+        }
+    };
     let bench = short.as_ref().unwrap_or(&recorded);
     let integrity = inspect(campaign, selected.stand.sizes.sensor);
     let mut verdict = Verdict::of(&recorded, bench, selected, &integrity);
@@ -137,6 +153,9 @@ pub fn diagnose_fully(
     answer.notes.extend(taken);
     if answer.unexplained.detected {
         answer.notes.extend(straighter_than_the_law(&whole));
+    }
+    if went_straight {
+        answer.notes.push(STRAIGHT.into());
     }
     if let Some(condensed) = &condensed {
         answer.notes.push(condensed.note(&recorded.samples));

@@ -91,7 +91,7 @@ fn distance(
     let mut longer: Campaign = bench.campaign.clone();
     let old = bench.samples.len();
     longer.runs.extend(candidate.runs.iter().cloned());
-    let experiment = Experiment::new(&longer).ok()?;
+    let experiment = (Experiment::new(&longer).ok()?).moving_as(&bench.experiment);
     let predict = |h: &Hypothesis<'_>| -> Option<[Vec<f64>; 3]> {
         let effects = h
             .effects

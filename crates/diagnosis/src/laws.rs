@@ -21,7 +21,6 @@ use rig::Model;
 use crate::answer::LawFit;
 use crate::bench::{Bench, Fitted};
 use crate::floor;
-use crate::samples::Samples;
 use crate::scatter::ScatterDeviance;
 use crate::selection::Selected;
 use crate::settled::under_its_noise;
@@ -185,21 +184,12 @@ impl<'a> Judge<'a> {
 
 /// The bench for a law without any cause; `None` where the law does not go with the campaign.
 fn with_law<'a>(bench: &Bench<'a>, law: LawKind) -> Option<Bench<'a>> {
-    let experiment = bench.experiment.clone();
-    Model::new(law, Vec::new(), &experiment).ok()?;
+    Model::new(law, Vec::new(), &bench.experiment).ok()?;
     Some(Bench {
-        campaign: bench.campaign,
-        experiment,
-        samples: Samples::clone(&bench.samples),
         law,
         catalogue: Vec::new(),
         prior: None,
-        stated_sensor: bench.stated_sensor,
-        conditions: bench.conditions.clone(),
-        masked: bench.masked.clone(),
-        step_n: bench.step_n,
-        ways: bench.ways,
-        redrawn: bench.redrawn.clone(),
         told: None,
+        ..bench.clone()
     })
 }

@@ -12,6 +12,7 @@ mod assemble;
 mod bench;
 mod bursts;
 pub mod causes;
+mod chords;
 mod comb;
 mod condense;
 mod contests;

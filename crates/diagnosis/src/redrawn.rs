@@ -40,7 +40,7 @@ pub(crate) fn drawn_anew(bench: &Bench<'_>) -> Vec<Experiment> {
             };
             run.velocity_m_s = course.velocity_m_s.iter().map(read).collect();
         }
-        let mut drawn = Experiment::new(&campaign).ok()?;
+        let mut drawn = Experiment::new(&campaign).ok()?.moving_as(experiment);
         for (run, own) in drawn.runs.iter_mut().zip(&experiment.runs) {
             run.take_past_of(own);
         }

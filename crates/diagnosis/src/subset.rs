@@ -115,6 +115,12 @@ impl Subset {
         self.weight.is_some()
     }
 
+    /// Places of a run among the rows; none where it is not looked at.
+    pub(crate) fn rows_of(&self, run: usize) -> Range<usize> {
+        let place = self.runs.iter().position(|&own| own == run);
+        place.map_or(0..0, |place| self.ranges[place].clone())
+    }
+
     /// Number of samples looked at.
     pub(crate) fn len(&self) -> usize {
         self.rows.len()

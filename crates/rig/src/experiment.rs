@@ -247,6 +247,31 @@ impl Experiment {
         })
     }
 
+    /// The same campaign, were its motions straight between the samples; `None` where no recorded velocity bends, see (M1).
+    pub fn along_chords(&self) -> Option<Self> {
+        self.bends().then(|| {
+            let mut straight = self.clone();
+            for run in &mut straight.runs {
+                run.bends_m_s3.clear();
+                run.halved = None;
+            }
+            straight
+        })
+    }
+
+    /// The campaign with motions that are straight between the samples if those of another one are.
+    pub fn moving_as(self, other: &Self) -> Self {
+        match other.bends() {
+            true => self,
+            false => self.along_chords().unwrap_or(self),
+        }
+    }
+
+    /// Whether some recorded velocity bends between its samples, see (M1).
+    fn bends(&self) -> bool {
+        self.runs.iter().any(|run| run.halved.is_some())
+    }
+
     /// Number of samples of all runs.
     pub fn samples(&self) -> usize {
         self.measured_n.len()
