@@ -2,8 +2,8 @@
 //!
 //! Between samples a velocity is taken to bend as its samples do (the rig's M1). Where nobody has recorded the position, the force may say
 //! that it did not: in the moments after a start or a turn of the motion, in which bristles are wound up, the way along the chords is
-//! another one. A law, or what is named beside it, that fits plainly better along the chords is asked again as a whole, all motions straight, and
-//! the likelier of the two answers stands, with every name paid for.
+//! another one. The motions that suit a first fit of the law are asked first. Where the law in the end, or what is named beside it, fits plainly
+//! better with the others, all is asked again with these, and the likelier of the two answers stands, with every name paid for.
 
 use rig::Experiment;
 
@@ -13,29 +13,63 @@ use crate::settled::likely_scatter;
 use crate::stand::Stand;
 use crate::subset::Subset;
 
-/// -2 log likelihood that chords must save under the noise of the bends before all is asked again.
+/// -2 log likelihood that the other motions must save under the noise of those that were asked.
 const PLAIN: f64 = 10.0;
-/// Steps of a fit along the chords, which begins where that along the bends has ended.
+/// Steps of a fit with the other motions, which begins where that with the first ones has ended.
 const STEPS: u64 = 20;
 
-/// The same questions and their answer with all motions straight between samples, where these are likelier.
-pub(crate) fn along_chords<'a>(
-    bench: &Bench<'a>,
-    selected: &Selected,
-) -> Option<(Bench<'a>, Selected)> {
-    let straight = bench.with_motions(bench.experiment.along_chords()?);
-    let nearer = |stand: &Stand| nearer(bench, &straight, &selected.subset, stand);
-    if !nearer(&selected.baseline) && !nearer(&selected.stand) {
-        return None;
-    }
-    bench.tell(|| "asking again with motions that are straight between samples".to_owned());
-    let other = select(&straight, &Subset::all(&straight), Depth::Full, None)?;
-    let likelier = worth(&other) < worth(selected);
-    likelier.then_some((straight, other))
+/// A selection, and the bench of the motions that it rests on where these are straight between samples.
+pub(crate) struct Chosen<'a> {
+    pub(crate) selected: Selected,
+    pub(crate) straight: Option<Bench<'a>>,
 }
 
-/// Whether what is in a stand fits plainly better along the chords.
-fn nearer(bench: &Bench<'_>, straight: &Bench<'_>, subset: &Subset, stand: &Stand) -> bool {
+/// The whole selection with the motions that the force prefers; `None` where the law itself cannot be computed.
+pub(crate) fn select_with_motions<'a>(bent: &Bench<'a>) -> Option<Chosen<'a>> {
+    let ask = |bench: &Bench<'_>| select(bench, &Subset::all(bench), Depth::Full, None);
+    let Some(chords) = bent.experiment.along_chords() else {
+        return Some(Chosen {
+            selected: ask(bent)?,
+            straight: None,
+        });
+    };
+    let straight = bent.with_motions(chords);
+    let is_straight = begins_straight(bent, &straight);
+    let (first, second) = match is_straight {
+        true => (&straight, bent),
+        false => (bent, &straight),
+    };
+    let selected = ask(first)?;
+    let other = other_motions_suit(first, second, &selected).then(|| {
+        bent.tell(|| "asking again with other motions between the samples".to_owned());
+        ask(second)
+    });
+    let likelier = (other.flatten()).filter(|other| worth(other) < worth(&selected));
+    let is_straight = is_straight != likelier.is_some();
+    Some(Chosen {
+        selected: likelier.unwrap_or(selected),
+        straight: is_straight.then_some(straight),
+    })
+}
+
+/// Whether a first fit of the law alone is plainly nearer along the chords.
+fn begins_straight(bent: &Bench<'_>, straight: &Bench<'_>) -> bool {
+    let (subset, sizes) = (Subset::all(bent), bent.first_sizes());
+    let law = bent.law_fit(&subset, &sizes, f64::INFINITY);
+    law.is_some_and(|law| {
+        let stand = Stand::new(bent, &subset, law, sizes);
+        nearer(bent, straight, &subset, &stand)
+    })
+}
+
+/// Whether the law, or what was named beside it, fits plainly better with the other motions.
+fn other_motions_suit(first: &Bench<'_>, second: &Bench<'_>, selected: &Selected) -> bool {
+    let nearer = |stand: &Stand| nearer(first, second, &selected.subset, stand);
+    nearer(&selected.baseline) || nearer(&selected.stand)
+}
+
+/// Whether what is in a stand fits plainly better with other motions.
+fn nearer(bench: &Bench<'_>, other: &Bench<'_>, subset: &Subset, stand: &Stand) -> bool {
     let Fitted {
         effects,
         parameters,
@@ -43,8 +77,8 @@ fn nearer(bench: &Bench<'_>, straight: &Bench<'_>, subset: &Subset, stand: &Stan
     } = &stand.fitted;
     let context = subset.context_of(bench, &stand.fitted);
     let whitener = (stand.whitener).with_scatter(&context, likely_scatter(stand));
-    let fit = straight.fit(subset, effects, parameters, &whitener, None, STEPS);
-    let deviance = fit.map(|fit| stand.deviance_of(straight, subset, &fit));
+    let fit = other.fit(subset, effects, parameters, &whitener, None, STEPS);
+    let deviance = fit.map(|fit| stand.deviance_of(other, subset, &fit));
     deviance.is_some_and(|deviance| deviance < stand.deviance - PLAIN)
 }
 

@@ -6,7 +6,7 @@ use rig::{Experiment, ModelFile};
 
 use crate::answer::{Diagnosis, Undecidable};
 use crate::bench::{Bench, Fitted};
-use crate::chords::along_chords;
+use crate::chords::select_with_motions;
 use crate::condense::{Condensed, condense};
 use crate::curves::{Curves, curves};
 use crate::equivalence::Contest;
@@ -107,24 +107,21 @@ pub fn diagnose_fully(
     }
     let condensed = condense(campaign, &recorded.samples, &recorded.masked);
     let mut short = condensed.as_ref().map(|c| recorded.condensed(c));
-    let no_fit = || DiagnosisError::NoFit(recorded.law.id());
-    let mut went_straight = false;
+    let no_fit = DiagnosisError::NoFit(recorded.law.id());
+    let mut straight = None;
     let selected = match (&condensed, &mut short) {
-        (Some(rows), Some(short)) => select_on_rows(&recorded, rows, short).ok_or_else(no_fit)?,
-        _ => {
-            let all = Subset::all(&recorded);
-            let bent = select(&recorded, &all, Depth::Full, None).ok_or_else(no_fit)?;
-            match along_chords(&recorded, &bent) {
-                Some((straight, selected)) => {
-                    every_run = every_run.map(|all| all.moving_as(&straight.experiment));
-                    recorded = straight;
-                    went_straight = true;
-                    selected
-                }
-                None => bent,
-            }
-        }
-    };
+        (Some(rows), Some(short)) => select_on_rows(&recorded, rows, short),
+        _ => select_with_motions(&recorded).map(|chosen| {
+            straight = chosen.straight;
+            chosen.selected
+        }),
+    }
+    .ok_or(no_fit)?;
+    let went_straight = straight.is_some();
+    if let Some(straight) = straight {
+        every_run = every_run.map(|all| all.moving_as(&straight.experiment));
+        recorded = straight;
+    }
     let bench = short.as_ref().unwrap_or(&recorded);
     let integrity = inspect(campaign, selected.stand.sizes.sensor);
     let mut verdict = Verdict::of(&recorded, bench, selected, &integrity);
