@@ -221,7 +221,8 @@ impl Table<'_> {
         let largest = velocity
             .iter()
             .fold(0.0_f64, |largest, v| largest.max(v.abs()));
-        let own = OWN_NOISE * noise::of_third_differences(velocity.windows(4));
+        let fours = (self.column(Quantity::Time).windows(4)).zip(velocity.windows(4));
+        let own = OWN_NOISE * noise::of_third_differences(fours);
         let allowed = own.clamp(SPEED_NOISE * largest, MOST_NOISE * largest);
         let wrong = |v: f64| match direction {
             Direction::Forward => v < -allowed,

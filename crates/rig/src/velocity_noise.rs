@@ -46,8 +46,9 @@ fn is_long(run: &Run) -> bool {
 
 /// Standard deviation of the noise of these runs while they move.
 fn while_moving(runs: &[&Run]) -> f64 {
-    let velocities = runs.iter().flat_map(|run| run.velocity_m_s.windows(4));
-    of_third_differences(velocities.filter(|v| v.iter().all(|v| *v != 0.0)))
+    let fours =
+        (runs.iter()).flat_map(|run| run.time_s.windows(4).zip(run.velocity_m_s.windows(4)));
+    of_third_differences(fours.filter(|(_, v)| v.iter().all(|v| *v != 0.0)))
 }
 
 /// What is recorded beside the course while the stage moves.
