@@ -10,6 +10,7 @@
 //! what its likelihood gains, each model under its own noise.
 
 use fitting::noise::Sizes;
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -17,7 +18,7 @@ use crate::answer::Place;
 use crate::bench::Bench;
 use crate::general::Lack;
 use crate::ground::Ground;
-use crate::places::{Cells, Course, Shape, Sums, closely};
+use crate::places::{Cells, Course, Shape, Sums, beside, closely};
 use crate::stand::Stand;
 use crate::subset::Subset;
 use crate::tail::{log_chi2_tail, normal_deviate};
@@ -79,6 +80,7 @@ pub(crate) fn strongest(
             explained: ground.explained(&sums.direction(ground, best.shape)?),
             tails: tails(&marks),
             asked: marks.len(),
+            columns: 1,
         },
     );
     if best.z.abs() < SUSPECT || stand.sizes.plate <= 0.0 {
@@ -123,6 +125,17 @@ struct Weight {
     tails: (f64, f64),
     /// How many marks were asked for.
     asked: usize,
+    /// Heights that it has.
+    columns: usize,
+}
+
+/// The strongest mark beside a plate that is hardly rough.
+struct Sharp {
+    /// It, and what it throws up beside it.
+    courses: Vec<Course>,
+    extent: (f64, f64),
+    /// How many could have been the strongest.
+    asked: usize,
 }
 
 /// Where marks are looked for.
@@ -142,8 +155,17 @@ impl Search<'_> {
         stand: &Stand,
     ) -> Option<Mark> {
         let (fitted, jacobian) = (&stand.fitted, &stand.jacobian);
-        let (course, extent, asked) = self.sharply(bench, subset, stand)?;
-        let column = course.column(&subset.all_places(bench), fitted.friction(bench));
+        let Sharp {
+            courses,
+            extent,
+            asked,
+        } = self.sharply(bench, subset, stand)?;
+        let (places, friction) = (subset.all_places(bench), fitted.friction(bench));
+        let columns = courses
+            .iter()
+            .map(|course| course.column(&places, friction));
+        let columns: Vec<DMatrix<f64>> = columns.collect();
+        let column = DMatrix::from_fn(places.len(), columns.len(), |i, k| columns[k][i]);
         let sizes = bench.noise_of_one_length(subset, fitted, jacobian, &column, stand.sizes);
         let own = Stand::new(bench, subset, fitted.clone(), sizes);
         let white = own.whiten(subset, &column);
@@ -161,6 +183,7 @@ impl Search<'_> {
             explained: saved,
             tails: (spread, if alone { NORMAL } else { freedom }),
             asked,
+            columns: courses.len(),
         };
         Some(self.mark(extent, &weight))
     }
@@ -175,14 +198,9 @@ impl Search<'_> {
         sizes.fold(0.0, f64::max)
     }
 
-    /// The strongest mark as it is found beside a plate that is hardly rough, where it is, and how many were asked for: roughness that was
-    /// estimated with the mark in it lets places that are far apart fit alike.
-    fn sharply(
-        &self,
-        bench: &Bench<'_>,
-        subset: &Subset,
-        stand: &Stand,
-    ) -> Option<(Course, (f64, f64), usize)> {
+    /// The strongest mark as it is found beside a plate that is hardly rough: roughness that was estimated with the mark in it lets places that
+    /// are far apart fit alike.
+    fn sharply(&self, bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Option<Sharp> {
         let sizes = Sizes {
             plate: SHARP * stand.sizes.plate.min(stand.sizes.private),
             plate_smoothing: stand.sizes.smoothing,
@@ -194,9 +212,24 @@ impl Search<'_> {
         let all = scored(&sharp.ground, &sums, self.cells.shapes());
         let extent = self.cells.extent(largest(&all)?.shape);
         let samples = subset.samples_on_the_plate(bench);
-        let (course, extent, tried) = closely(&sharp, &samples, self.scale, extent)?;
+        let first = closely(&sharp, &sharp.ground, &samples, self.scale, extent)?;
         // As many near every mark of the first look could have been the strongest.
-        Some((course, extent, all.len() * tried))
+        let asked = all.len() * first.tried;
+        Some(match beside(&sharp, &samples, self.scale, &first) {
+            None => Sharp {
+                courses: vec![first.course],
+                extent: first.extent,
+                asked,
+            },
+            Some(edge) => Sharp {
+                courses: vec![first.course, edge.course],
+                extent: (
+                    first.extent.0.min(edge.extent.0),
+                    first.extent.1.max(edge.extent.1),
+                ),
+                asked: asked * edge.tried,
+            },
+        })
     }
 
     /// A mark that sits here.
@@ -212,7 +245,7 @@ impl Search<'_> {
                 unit: "m".into(),
                 runs: self.names.clone(),
             },
-            log_p: (log_chi2_tail(deviate * deviate, 1) + price).min(0.0),
+            log_p: (log_chi2_tail(deviate * deviate, weight.columns) + price).min(0.0),
             explained: weight.explained - 2.0 * price,
             search: 2.0 * price,
         }

@@ -40,6 +40,8 @@ pub(crate) enum Course {
 /// Places to each side among which a course is sought, and shares of an extent that lie between them, round by round.
 const STEPS: i32 = 4;
 const STEP_SHARES: [f64; 2] = [0.125, 0.03];
+/// Share of what a mark explains from which on another one beside it belongs to it.
+const EDGE: f64 = 0.1;
 /// Width of a bell at half its height, in its deviations: sqrt(8 ln 2).
 const HALF_HEIGHT: f64 = 2.354_82;
 
@@ -96,13 +98,25 @@ impl Course {
     }
 }
 
-/// The course of the strongest mark near an extent, by what it explains beside a stand, where it is, and how many were tried.
+/// A mark as it is found near a place.
+#[derive(Clone, Copy)]
+pub(crate) struct Near {
+    pub(crate) course: Course,
+    pub(crate) extent: (f64, f64),
+    /// What it explains there.
+    pub(crate) explained: f64,
+    /// How many were tried.
+    pub(crate) tried: usize,
+}
+
+/// The course of the strongest mark near an extent, by what it explains beside a model on its ground.
 pub(crate) fn closely(
     stand: &Stand,
+    ground: &Ground,
     samples: &Samples,
     friction: &[f64],
     mut extent: (f64, f64),
-) -> Option<(Course, (f64, f64), usize)> {
+) -> Option<Near> {
     let (mut best, mut tried) = (None, 0);
     for round in 0..STEP_SHARES.len() {
         let courses = Course::near(extent, round);
@@ -114,15 +128,40 @@ pub(crate) fn closely(
         let all = DMatrix::from_fn(friction.len(), courses.len(), |i, j| columns[j][i]);
         let white = stand.whiten_own(&all);
         let explained = (0..courses.len()).into_par_iter().filter_map(|j| {
-            let direction = stand.ground.direction(&white.columns(j, 1).into_owned())?;
-            Some((stand.ground.explained(&direction), courses[j]))
+            let direction = ground.direction(&white.columns(j, 1).into_owned())?;
+            Some((ground.explained(&direction), courses[j]))
         });
         let explained: Vec<(f64, Course)> = explained.collect();
-        let (_, course) = (explained.into_iter()).max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let (explained, course) = (explained.into_iter()).max_by(|a, b| a.0.total_cmp(&b.0))?;
         extent = course.extent(extent.1 - extent.0);
-        best = Some(course);
+        best = Some((explained, course));
     }
-    Some((best?, extent, tried))
+    let (explained, course) = best?;
+    Some(Near {
+        course,
+        extent,
+        explained,
+        tried,
+    })
+}
+
+/// A mark and what lies beside it: a groove throws up an edge. The strongest mark that adjoins the first on either side, where it explains
+/// a share of what that does.
+pub(crate) fn beside(
+    stand: &Stand,
+    samples: &Samples,
+    friction: &[f64],
+    first: &Near,
+) -> Option<Near> {
+    let column = first.course.column(&samples.place, friction);
+    let ground = stand.ground_beside(&stand.whiten_own(&column));
+    let (from, to) = first.extent;
+    let width = to - from;
+    let sides = [(from - width, from), (to, to + width)];
+    let near = sides.map(|side| closely(stand, &ground, samples, friction, side));
+    let tried = near.iter().flatten().map(|near| near.tried).sum();
+    let best = (near.into_iter().flatten()).max_by(|a, b| a.explained.total_cmp(&b.explained))?;
+    (best.explained > EDGE * first.explained).then_some(Near { tried, ..best })
 }
 
 /// The plate in cells of half the shortest width.
