@@ -5,7 +5,7 @@
 //! of what shows one of the named causes would be gone: no fold would find that cause again. Of the k-th cause rows show
 //!
 //! ```text
-//! t_k = |(I - P_k) M (f - f_k)|^2                                                                        (D12)
+//! t_k = |(I - P_k) M (f - f_k)|^2                                                                        (D15)
 //! ```
 //!
 //! f being the extension's prediction and f_k the same without the cause, M whitening with the scatter between runs, and P_k the projection
@@ -65,7 +65,7 @@ fn most_shown(bench: &Bench<'_>, selected: &Selected, conditions: &[Vec<usize>])
     order
 }
 
-/// Whether the other conditions show half of the k-th cause at least, (D12).
+/// Whether the other conditions show half of the k-th cause at least, (D15).
 fn spared(
     bench: &Bench<'_>,
     selected: &Selected,
