@@ -325,6 +325,18 @@ fn a_scratch_is_refused_on_the_papers_protocol() {
     ));
 }
 
+/// A groove that throws up an edge is one mark, at its place: one bell alone leaves the plate too rough for it to be seen.
+#[test]
+fn a_groove_with_its_edge_is_refused_where_it_is() {
+    let case = Case::nothing(Protocol::Rich, NoiseKind::Usual, SEED + 255)
+        .of_specimen(SEED)
+        .with("alien-scratch", 1.0, true);
+    assert_none(&complaints(
+        &[trial(Group::Alien, case, 10.0, None)],
+        &[Verdict::Right],
+    ));
+}
+
 /// A coarse force channel is named, and what its rounding leaves is not called unexplained.
 #[test]
 fn a_coarse_channel_leaves_nothing_unexplained() {

@@ -312,9 +312,14 @@ impl Contact<'_> {
                 }
                 Effect::Scratch {
                     depth,
+                    edge,
                     at_m,
                     width_m,
-                } => 1.0 + depth * (-0.5 * ((plate_m - at_m) / width_m).powi(2)).exp(),
+                } => {
+                    let widths = (plate_m - at_m) / width_m;
+                    let bell = |widths: f64| (-0.5 * widths * widths).exp();
+                    1.0 + depth * (bell(widths) - edge * bell(widths - 2.0))
+                }
                 // The brush is a few millimetres wide, so the step is felt over that width.
                 Effect::PlateStep { height, at_m } => {
                     1.0 + 0.5 * height * (1.0 + ((plate_m - at_m) / 2e-3).tanh())

@@ -230,8 +230,14 @@ pub enum Effect {
     MovingInertia { mass_kg: f64 },
 
     // Outside the catalogue.
-    /// A scratch across the plate: a narrow rise of friction at one place.
-    Scratch { depth: f64, at_m: f64, width_m: f64 },
+    /// A scratch across the plate: a narrow rise of friction at one place, and a fall of `edge` times its depth beside it, two
+    /// widths further on.
+    Scratch {
+        depth: f64,
+        edge: f64,
+        at_m: f64,
+        width_m: f64,
+    },
     /// Two plates butted: friction steps at one place.
     PlateStep { height: f64, at_m: f64 },
     /// Stick-slip breaks out for a while in some runs: a sawtooth on friction.

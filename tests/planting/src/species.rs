@@ -267,6 +267,7 @@ pub fn draw(
         },
         "alien-scratch" => Effect::Scratch {
             depth: 0.15 * size,
+            edge: if second { 0.6 } else { 0.0 },
             at_m: scales.travel_m * between(0.3, 0.8),
             width_m: scales.travel_m / 100.0,
         },
