@@ -325,7 +325,7 @@ fn a_scratch_is_refused_on_the_papers_protocol() {
     ));
 }
 
-/// A groove that throws up an edge is one mark, at its place: one bell alone leaves the plate too rough for it to be seen.
+/// A groove that throws up an edge is told at its place, though neither a bell nor a step has its course.
 #[test]
 fn a_groove_with_its_edge_is_refused_where_it_is() {
     let case = Case::nothing(Protocol::Rich, NoiseKind::Usual, SEED + 255)
