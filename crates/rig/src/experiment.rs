@@ -155,6 +155,8 @@ pub struct Experiment {
     pub reference_load_n: f64,
     /// Typical sizes of speed, travel and friction, for bounds and steps.
     pub scales: Scales,
+    /// Bends of the velocity were taken out, see [`Experiment::along_chords`].
+    goes_along_chords: bool,
 }
 
 impl Experiment {
@@ -244,13 +246,16 @@ impl Experiment {
             moving_mass_kg: campaign.rig.moving_mass_kg.unwrap_or(0.0),
             reference_load_n,
             scales,
+            goes_along_chords: false,
         })
     }
 
     /// The same campaign, were its motions straight between the samples; `None` where no recorded velocity bends, see (M1).
     pub fn along_chords(&self) -> Option<Self> {
-        self.bends().then(|| {
+        let bends = self.runs.iter().any(|run| run.halved.is_some());
+        bends.then(|| {
             let mut straight = self.clone();
+            straight.goes_along_chords = true;
             for run in &mut straight.runs {
                 run.bends_m_s3.clear();
                 run.halved = None;
@@ -259,17 +264,12 @@ impl Experiment {
         })
     }
 
-    /// The campaign with motions that are straight between the samples if those of another one are.
+    /// The campaign along chords where another one was taken along them. (That nothing bends there at its own rate says nothing of this one.)
     pub fn moving_as(self, other: &Self) -> Self {
-        match other.bends() {
-            true => self,
-            false => self.along_chords().unwrap_or(self),
+        match other.goes_along_chords {
+            true => self.along_chords().unwrap_or(self),
+            false => self,
         }
-    }
-
-    /// Whether some recorded velocity bends between its samples, see (M1).
-    fn bends(&self) -> bool {
-        self.runs.iter().any(|run| run.halved.is_some())
     }
 
     /// Number of samples of all runs.
