@@ -9,7 +9,6 @@ use rig::Experiment;
 
 use crate::bench::{Bench, Fitted};
 use crate::selection::{Depth, Selected, select, strict};
-use crate::settled::likely_scatter;
 use crate::stand::Stand;
 use crate::subset::Subset;
 
@@ -40,7 +39,7 @@ pub(crate) fn select_with_motions<'a>(bent: &Bench<'a>) -> Option<Chosen<'a>> {
         false => (bent, &straight),
     };
     let selected = ask(first)?;
-    let other = other_motions_suit(first, second, &selected).then(|| {
+    let other = other_motions_suit(second, &selected).then(|| {
         bent.tell(|| "asking again with other motions between the samples".to_owned());
         ask(second)
     });
@@ -58,26 +57,25 @@ fn begins_straight(bent: &Bench<'_>, straight: &Bench<'_>) -> bool {
     let law = bent.law_fit(&subset, &sizes, f64::INFINITY);
     law.is_some_and(|law| {
         let stand = Stand::new(bent, &subset, law, sizes);
-        nearer(bent, straight, &subset, &stand)
+        nearer(straight, &subset, &stand)
     })
 }
 
 /// Whether the law, or what was named beside it, fits plainly better with the other motions.
-fn other_motions_suit(first: &Bench<'_>, second: &Bench<'_>, selected: &Selected) -> bool {
-    let nearer = |stand: &Stand| nearer(first, second, &selected.subset, stand);
+fn other_motions_suit(second: &Bench<'_>, selected: &Selected) -> bool {
+    let nearer = |stand: &Stand| nearer(second, &selected.subset, stand);
     nearer(&selected.baseline) || nearer(&selected.stand)
 }
 
 /// Whether what is in a stand fits plainly better with other motions.
-fn nearer(bench: &Bench<'_>, other: &Bench<'_>, subset: &Subset, stand: &Stand) -> bool {
+fn nearer(other: &Bench<'_>, subset: &Subset, stand: &Stand) -> bool {
     let Fitted {
         effects,
         parameters,
         ..
     } = &stand.fitted;
-    let context = subset.context_of(bench, &stand.fitted);
-    let whitener = (stand.whitener).with_scatter(&context, likely_scatter(stand));
-    let fit = other.fit(subset, effects, parameters, &whitener, None, STEPS);
+    let noise = stand.likely_noise();
+    let fit = other.fit(subset, effects, parameters, &noise, None, STEPS);
     let deviance = fit.map(|fit| stand.deviance_of(other, subset, &fit));
     deviance.is_some_and(|deviance| deviance < stand.deviance - PLAIN)
 }

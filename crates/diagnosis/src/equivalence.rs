@@ -191,8 +191,7 @@ pub(crate) fn contest(
             fitted: None,
         });
     }
-    let context = subset.context_of(bench, full);
-    let whitener = stand.whitener.with_scatter(&context, scatter);
+    let whitener = stand.scattered(scatter);
     let positions = |fit: &Fitted| deviance_of_positions(bench, fit);
     let checked: Vec<Opponent> = opponents
         .into_par_iter()

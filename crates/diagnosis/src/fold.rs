@@ -105,11 +105,7 @@ pub(crate) fn fold(
             if bench.prior.is_some() && is_shift(bench, full.effects[k]) {
                 return bare(bench, full, k).map(|fit| whole.prediction(&fit));
             }
-            let context = subset.context_of(bench, full);
-            let whitener = own
-                .stand
-                .whitener
-                .with_scatter(&context, own.stand.sizes.scatter);
+            let whitener = own.stand.scattered(own.stand.sizes.scatter);
             bench
                 .fit(subset, &rest, &full.without(k), &whitener, None, 12)
                 .map(|fit| whole.prediction(&fit))
@@ -183,12 +179,8 @@ fn instead(
             .chain(warm.causes.iter().flat_map(|(_, own)| own.iter().copied()))
             .chain(states.iter().copied())
             .collect();
-        let subset = &own.subset;
-        let whitener = own
-            .stand
-            .whitener
-            .with_scatter(&subset.context_of(bench, full), own.stand.sizes.scatter);
-        bench.fit(subset, &effects, &start, &whitener, None, 20)
+        let whitener = own.stand.scattered(own.stand.sizes.scatter);
+        bench.fit(&own.subset, &effects, &start, &whitener, None, 20)
     };
     let other = !full.effects.is_empty() && !named.iter().any(found);
     match other.then(refitted).flatten() {

@@ -20,7 +20,6 @@ use crate::bench::Bench;
 use crate::look_back::bare;
 use crate::prior::append_prior;
 use crate::selection::Selected;
-use crate::settled::likely_scatter;
 use crate::whole::Whole;
 
 /// Conditions that are left out as a whole, at most.
@@ -56,9 +55,10 @@ fn most_shown(bench: &Bench<'_>, selected: &Selected, conditions: &[Vec<usize>])
     if selected.stand.fitted.effects.is_empty() || conditions.len() > MOST_CONDITIONS {
         return order;
     }
-    let shown = shown(bench, selected, conditions);
+    let noise = selected.stand.likely_noise();
+    let shown = shown(bench, selected, &noise, conditions);
     for k in 0..selected.stand.fitted.effects.len() {
-        let spared = spared(bench, selected, conditions, k);
+        let spared = spared(bench, selected, &noise, conditions, k);
         order.retain(|&c| spared[c]);
     }
     order.sort_by(|&a, &b| shown[b].total_cmp(&shown[a]).then(a.cmp(&b)));
@@ -69,6 +69,7 @@ fn most_shown(bench: &Bench<'_>, selected: &Selected, conditions: &[Vec<usize>])
 fn spared(
     bench: &Bench<'_>,
     selected: &Selected,
+    noise: &Whitener,
     conditions: &[Vec<usize>],
     k: usize,
 ) -> Vec<bool> {
@@ -86,7 +87,7 @@ fn spared(
     for (i, (with, without)) in both.enumerate() {
         columns[(i, others.len())] = with - without;
     }
-    let white = whitener(bench, selected).whiten_columns(&subset.gather_columns(&columns));
+    let white = noise.whiten_columns(&subset.gather_columns(&columns));
     let owners: Vec<Option<usize>> = others.iter().map(|&j| Some(stand.columns[j])).collect();
     let white = append_prior(bench.prior.as_ref(), white, &owners);
     let products = |rows: Range<usize>| {
@@ -132,15 +133,13 @@ fn beyond(products: &DMatrix<f64>) -> f64 {
     (products[(p, p)] - told.sum::<f64>()).max(0.0)
 }
 
-/// The noise beneath the extension, scatter between runs included.
-fn whitener(bench: &Bench<'_>, selected: &Selected) -> Whitener {
-    let stand = &selected.stand;
-    let context = selected.subset.context_of(bench, &stand.fitted);
-    (stand.whitener).with_scatter(&context, likely_scatter(stand))
-}
-
 /// |M (f_extended - f_law)|^2 over the runs of each condition, M whitening with the scatter between runs.
-fn shown(bench: &Bench<'_>, selected: &Selected, conditions: &[Vec<usize>]) -> Vec<f64> {
+fn shown(
+    bench: &Bench<'_>,
+    selected: &Selected,
+    noise: &Whitener,
+    conditions: &[Vec<usize>],
+) -> Vec<f64> {
     let (extended, law) = (
         &selected.stand.fitted.prediction,
         &selected.baseline.fitted.prediction,
@@ -155,7 +154,7 @@ fn shown(bench: &Bench<'_>, selected: &Selected, conditions: &[Vec<usize>]) -> V
         }
     }
     let own = selected.subset.gather_columns(&columns);
-    let white = whitener(bench, selected).whiten_columns(&own);
+    let white = noise.whiten_columns(&own);
     white.column_iter().map(|c| c.norm_squared()).collect()
 }
 

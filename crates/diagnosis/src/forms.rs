@@ -9,7 +9,7 @@ use crate::equivalence::AS_GOOD;
 use crate::joint::{forms_of, is_dear, is_second_form, search_price};
 use crate::look_back::EXCHANGE;
 use crate::scan::Scan;
-use crate::settled::{likely_scatter, settle};
+use crate::settled::settle;
 use crate::stand::Stand;
 use crate::subset::Subset;
 
@@ -176,8 +176,7 @@ pub(crate) fn in_place(
     let mut effects = fitted.effects.clone();
     effects[k] = form;
     let model = bench.model(&effects)?;
-    let context = subset.context_of(bench, fitted);
-    let whitener = stand.whitener.with_scatter(&context, likely_scatter(stand));
+    let whitener = stand.likely_noise();
     let mut starts: Vec<(f64, Vec<f64>)> = starts
         .iter()
         .map(|own| fitted.with_own(k, own))

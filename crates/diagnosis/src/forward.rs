@@ -299,9 +299,7 @@ fn law_without(bench: &Bench<'_>, subset: &Subset, single: &Stand, base: &Stand)
     if single.fitted.effects.len() != 1 {
         return None;
     }
-    let context = subset.context_of(bench, &single.fitted);
-    let scatter = likely_scatter(single);
-    let whitener = single.whitener.with_scatter(&context, scatter);
+    let whitener = single.likely_noise();
     let law = single.fitted.without(0);
     let fit = bench.fit(subset, &[], &law, &whitener, None, 20)?;
     if single.deviance_of(bench, subset, &fit) - single.deviance > IDLE {

@@ -33,19 +33,15 @@ pub(crate) fn joint_fits(
     starts: usize,
     known: &[(usize, Vec<f64>)],
 ) -> Vec<(usize, Fitted, f64)> {
-    let context = subset.context_of(bench, &stand.fitted);
     let fits: Vec<Option<(usize, Fitted, f64)>> = candidates
         .par_iter()
         .map(|candidate| {
-            let whitener = stand
-                .whitener
-                .with_scatter(&context, candidate.score.scatter);
             let joint = Joint {
                 bench,
                 subset,
                 stand,
                 candidate,
-                whitener,
+                whitener: stand.scattered(candidate.score.scatter),
             };
             let (from, limit) = joint.starts(starts, known);
             let (fit, deviance) = joint.best(from, limit)?;

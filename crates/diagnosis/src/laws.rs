@@ -137,8 +137,7 @@ impl<'a> Contender<'a> {
     }
 
     fn refitted(&self, own: &Likelihood, sizes: Sizes, subset: &Subset) -> Option<Fitted> {
-        let context = subset.context_of(&self.bench, &self.fitted);
-        let whitener = own.whitener.with_scatter(&context, sizes.scatter);
+        let whitener = own.scattered(sizes.scatter);
         let start = &self.fitted.parameters;
         self.bench.fit(subset, &[], start, &whitener, None, STEPS)
     }

@@ -39,8 +39,7 @@ pub(crate) fn look_back(
         let fitted = singles
             .iter()
             .map(|s| (s.cause, s.fitted.parameters.clone()));
-        let context = subset.context_of(bench, &pair.fitted);
-        let whitener = pair.whitener.with_scatter(&context, pair.sizes.scatter);
+        let whitener = pair.scattered(pair.sizes.scatter);
         let mut best: Option<(f64, Fitted)> = None;
         for (cause, start) in fitted.chain(other_forms_alone(bench, &pair.fitted)) {
             let Some(fit) = bench.fit(subset, &[cause], &start, &whitener, None, 15) else {
@@ -187,10 +186,7 @@ pub(crate) fn exchange_with_named(
     mut stand: Stand,
     named: &[(usize, Vec<f64>)],
 ) -> Option<Stand> {
-    let context = subset.context_of(bench, &stand.fitted);
-    let whitener = stand
-        .whitener
-        .with_scatter(&context, likely_scatter(&stand));
+    let whitener = stand.likely_noise();
     let mut best: Option<(f64, Fitted)> = None;
     let absent = |cause: &usize| !stand.fitted.effects.contains(cause);
     for (cause, own) in named.iter().filter(|(cause, _)| absent(cause)) {
@@ -287,8 +283,7 @@ pub(crate) fn fitted_without(
     const STEPS: u64 = 20;
     let mut rest = stand.fitted.effects.clone();
     rest.remove(k);
-    let context = subset.context_of(bench, &stand.fitted);
-    let whitener = stand.whitener.with_scatter(&context, likely_scatter(stand));
+    let whitener = stand.likely_noise();
     bench.fit(
         subset,
         &rest,

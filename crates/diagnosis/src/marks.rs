@@ -10,7 +10,6 @@
 //! what its likelihood gains, each model under its own noise.
 
 use fitting::noise::Sizes;
-use nalgebra::DMatrix;
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -18,7 +17,7 @@ use crate::answer::Place;
 use crate::bench::Bench;
 use crate::general::Lack;
 use crate::ground::Ground;
-use crate::places::{Cells, Course, Shape, Sums, beside, closely};
+use crate::places::{Cells, Course, Near, Shape, Sums, closely, with_edge};
 use crate::stand::Stand;
 use crate::subset::Subset;
 use crate::tail::{log_chi2_tail, normal_deviate};
@@ -129,15 +128,6 @@ struct Weight {
     columns: usize,
 }
 
-/// The strongest mark beside a plate that is hardly rough.
-struct Sharp {
-    /// It, and what it throws up beside it.
-    courses: Vec<Course>,
-    extent: (f64, f64),
-    /// How many could have been the strongest.
-    asked: usize,
-}
-
 /// Where marks are looked for.
 struct Search<'a> {
     cells: Cells,
@@ -155,20 +145,17 @@ impl Search<'_> {
         stand: &Stand,
     ) -> Option<Mark> {
         let (fitted, jacobian) = (&stand.fitted, &stand.jacobian);
-        let Sharp {
+        let Near {
             courses,
             extent,
-            asked,
+            tried,
+            ..
         } = self.sharply(bench, subset, stand)?;
         let (places, friction) = (subset.all_places(bench), fitted.friction(bench));
-        let columns = courses
-            .iter()
-            .map(|course| course.column(&places, friction));
-        let columns: Vec<DMatrix<f64>> = columns.collect();
-        let column = DMatrix::from_fn(places.len(), columns.len(), |i, k| columns[k][i]);
-        let sizes = bench.noise_of_one_length(subset, fitted, jacobian, &column, stand.sizes);
+        let columns = Course::columns(&courses, &places, friction);
+        let sizes = bench.noise_of_one_length(subset, fitted, jacobian, &columns, stand.sizes);
         let own = Stand::new(bench, subset, fitted.clone(), sizes);
-        let white = own.whiten(subset, &column);
+        let white = own.whiten(subset, &columns);
         let direction = own.ground.direction(&white)?;
         // Either noise is offered to the model without the mark too: one grid of the plate's nodes may suit all models better than another.
         let without = stand.deviance.min(own.deviance);
@@ -182,7 +169,7 @@ impl Search<'_> {
             deviance: saved.max(0.0),
             explained: saved,
             tails: (spread, if alone { NORMAL } else { freedom }),
-            asked,
+            asked: tried,
             columns: courses.len(),
         };
         Some(self.mark(extent, &weight))
@@ -200,7 +187,7 @@ impl Search<'_> {
 
     /// The strongest mark as it is found beside a plate that is hardly rough: roughness that was estimated with the mark in it lets places that
     /// are far apart fit alike.
-    fn sharply(&self, bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Option<Sharp> {
+    fn sharply(&self, bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Option<Near> {
         let sizes = Sizes {
             plate: SHARP * stand.sizes.plate.min(stand.sizes.private),
             plate_smoothing: stand.sizes.smoothing,
@@ -212,24 +199,10 @@ impl Search<'_> {
         let all = scored(&sharp.ground, &sums, self.cells.shapes());
         let extent = self.cells.extent(largest(&all)?.shape);
         let samples = subset.samples_on_the_plate(bench);
-        let first = closely(&sharp, &sharp.ground, &samples, self.scale, extent)?;
+        let mut near = closely(&sharp, &sharp.ground, &samples, self.scale, extent)?;
         // As many near every mark of the first look could have been the strongest.
-        let asked = all.len() * first.tried;
-        Some(match beside(&sharp, &samples, self.scale, &first) {
-            None => Sharp {
-                courses: vec![first.course],
-                extent: first.extent,
-                asked,
-            },
-            Some(edge) => Sharp {
-                courses: vec![first.course, edge.course],
-                extent: (
-                    first.extent.0.min(edge.extent.0),
-                    first.extent.1.max(edge.extent.1),
-                ),
-                asked: asked * edge.tried,
-            },
-        })
+        near.tried *= all.len();
+        Some(with_edge(&sharp, &samples, self.scale, near))
     }
 
     /// A mark that sits here.

@@ -90,21 +90,21 @@ impl Course {
         }
     }
 
-    /// The force that it adds at these places, in units of its height.
-    pub(crate) fn column(self, places: &[f64], friction: &[f64]) -> DMatrix<f64> {
-        let force = places.iter().zip(friction);
-        let force = force.map(|(&x, f)| f * self.raised(x));
-        DMatrix::from_iterator(places.len(), 1, force)
+    /// The force that each of some courses adds at these places, in units of its height.
+    pub(crate) fn columns(courses: &[Self], places: &[f64], friction: &[f64]) -> DMatrix<f64> {
+        DMatrix::from_fn(places.len(), courses.len(), |i, k| {
+            friction[i] * courses[k].raised(places[i])
+        })
     }
 }
 
 /// A mark as it is found near a place.
-#[derive(Clone, Copy)]
 pub(crate) struct Near {
-    pub(crate) course: Course,
+    /// Its course, and that of what it throws up beside it.
+    pub(crate) courses: Vec<Course>,
     pub(crate) extent: (f64, f64),
     /// What it explains there.
-    pub(crate) explained: f64,
+    explained: f64,
     /// How many were tried.
     pub(crate) tried: usize,
 }
@@ -121,12 +121,7 @@ pub(crate) fn closely(
     for round in 0..STEP_SHARES.len() {
         let courses = Course::near(extent, round);
         tried += courses.len();
-        let columns = courses
-            .iter()
-            .map(|course| course.column(&samples.place, friction));
-        let columns: Vec<DMatrix<f64>> = columns.collect();
-        let all = DMatrix::from_fn(friction.len(), courses.len(), |i, j| columns[j][i]);
-        let white = stand.whiten_own(&all);
+        let white = stand.whiten_own(&Course::columns(&courses, &samples.place, friction));
         let explained = (0..courses.len()).into_par_iter().filter_map(|j| {
             let direction = ground.direction(&white.columns(j, 1).into_owned())?;
             Some((ground.explained(&direction), courses[j]))
@@ -138,30 +133,37 @@ pub(crate) fn closely(
     }
     let (explained, course) = best?;
     Some(Near {
-        course,
+        courses: vec![course],
         extent,
         explained,
         tried,
     })
 }
 
-/// A mark and what lies beside it: a groove throws up an edge. The strongest mark that adjoins the first on either side, where it explains
-/// a share of what that does.
-pub(crate) fn beside(
+/// A mark with what lies beside it: a groove throws up an edge. The strongest mark that adjoins the first on either side belongs to it where it
+/// explains a share of what that does.
+pub(crate) fn with_edge(
     stand: &Stand,
     samples: &Samples,
     friction: &[f64],
-    first: &Near,
-) -> Option<Near> {
-    let column = first.course.column(&samples.place, friction);
-    let ground = stand.ground_beside(&stand.whiten_own(&column));
-    let (from, to) = first.extent;
+    mut mark: Near,
+) -> Near {
+    let columns = Course::columns(&mark.courses, &samples.place, friction);
+    let ground = stand.ground_beside(&stand.whiten_own(&columns));
+    let (from, to) = mark.extent;
     let width = to - from;
     let sides = [(from - width, from), (to, to + width)];
     let near = sides.map(|side| closely(stand, &ground, samples, friction, side));
-    let tried = near.iter().flatten().map(|near| near.tried).sum();
-    let best = (near.into_iter().flatten()).max_by(|a, b| a.explained.total_cmp(&b.explained))?;
-    (best.explained > EDGE * first.explained).then_some(Near { tried, ..best })
+    let tried: usize = near.iter().flatten().map(|near| near.tried).sum();
+    let edges = near.into_iter().flatten();
+    let edge = edges.max_by(|a, b| a.explained.total_cmp(&b.explained));
+    if let Some(edge) = edge.filter(|edge| edge.explained > EDGE * mark.explained) {
+        mark.courses.extend(edge.courses);
+        mark.extent = (from.min(edge.extent.0), to.max(edge.extent.1));
+        mark.explained += edge.explained;
+        mark.tried *= tried;
+    }
+    mark
 }
 
 /// The plate in cells of half the shortest width.

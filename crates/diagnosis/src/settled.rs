@@ -69,8 +69,7 @@ pub(crate) fn under_its_noise(
 /// under the old scale and less likely under its own (friction that hides behind the scatter between runs) is not taken.
 fn refit(bench: &Bench<'_>, subset: &Subset, fitted: &Fitted, sizes: &Sizes) -> Option<Stand> {
     let before = Likelihood::of(bench, subset, fitted, *sizes);
-    let context = subset.context_of(bench, fitted);
-    let whitener = before.whitener.with_scatter(&context, sizes.scatter);
+    let whitener = before.scattered(sizes.scatter);
     let dear = fitted.effects.iter().any(|&e| is_dear(bench, e));
     let limit = if dear { 6 } else { 20 };
     let (effects, start) = (&fitted.effects, &fitted.parameters);

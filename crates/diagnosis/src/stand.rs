@@ -8,6 +8,7 @@ use crate::ground::Ground;
 use crate::integrity::is_staircase;
 use crate::prior::{append_prior, with_prior_rows};
 use crate::scatter::ScatterDeviance;
+use crate::settled::likely_scatter;
 use crate::subset::Subset;
 
 /// How likely a fit is under given sizes of the noise.
@@ -62,6 +63,11 @@ impl Likelihood {
             conditions: context.conditions.clone(),
             scatter,
         }
+    }
+
+    /// The noise with so much scatter between runs.
+    pub(crate) fn scattered(&self, scatter: f64) -> Whitener {
+        scattered(&self.whitener, &self.white_gains, scatter)
     }
 
     /// -2 log likelihood, the scatter between runs at its likeliest up to a bound.
@@ -147,6 +153,16 @@ impl Stand {
             prior_rows,
             deviance,
         }
+    }
+
+    /// The noise with so much scatter between runs.
+    pub(crate) fn scattered(&self, scatter: f64) -> Whitener {
+        scattered(&self.whitener, &self.white_gains, scatter)
+    }
+
+    /// The noise with the scatter between runs that is likeliest beside the fit.
+    pub(crate) fn likely_noise(&self) -> Whitener {
+        self.scattered(likely_scatter(self))
     }
 
     /// -2 log likelihood of the fit under other sizes of the noise.
@@ -265,6 +281,12 @@ impl Stand {
         let n = white.nrows();
         white.resize_vertically(n + self.prior_rows, 0.0)
     }
+}
+
+/// A noise with so much scatter between runs; the rows of a prior are no samples.
+fn scattered(whitener: &Whitener, white_gains: &DMatrix<f64>, scatter: f64) -> Whitener {
+    let samples = whitener.samples();
+    whitener.with_scatter(&white_gains.rows(0, samples).into_owned(), scatter)
 }
 
 /// Gains of runs and residual in whitened coordinates: W H E with (W H)'(W H) = E diag(lambda) E', and t = E'(W H)'W r.

@@ -120,8 +120,7 @@ pub(crate) fn levelled(bench: &Bench<'_>, subset: &Subset, mut stand: Stand) -> 
         };
         let mut start = stand.fitted.parameters.clone();
         start[profile.column] = size;
-        let context = subset.context_of(bench, &stand.fitted);
-        let whitener = stand.whitener.with_scatter(&context, profile.scatter);
+        let whitener = stand.scattered(profile.scatter);
         let effects = &stand.fitted.effects;
         let Some(fit) = bench.fit(subset, effects, &start, &whitener, None, STEPS) else {
             continue;

@@ -11,7 +11,7 @@ use rig::Paths;
 use crate::bench::{Bench, Fitted};
 use crate::joint::{MOST_SAMPLES_AFRESH, is_dear};
 use crate::scan::Scan;
-use crate::settled::{likely_scatter, settle};
+use crate::settled::settle;
 use crate::stand::Stand;
 use crate::starts::{ranked, with_laws};
 use crate::subset::Subset;
@@ -33,10 +33,7 @@ pub(crate) fn deepest(bench: &Bench<'_>, subset: &Subset, stand: Stand) -> Optio
     if bench.prior.is_some() || dear && bench.mechanics() > MOST_SAMPLES_AFRESH {
         return Some(stand);
     }
-    let context = subset.context_of(bench, fitted);
-    let whitener = stand
-        .whitener
-        .with_scatter(&context, likely_scatter(&stand));
+    let whitener = stand.likely_noise();
     let starts = with_laws(&fitted.parameters, bench.law_starts(&fitted.model));
     let mut starts = ranked(bench, subset, &whitener, &fitted.model, starts, Paths::NONE);
     starts.truncate(if dear { TAKEN_DEAR } else { TAKEN });

@@ -31,7 +31,6 @@ use crate::bench::Bench;
 use crate::floor;
 use crate::fold::Fold;
 use crate::selection::{ALPHA_GENERAL, Selected};
-use crate::settled::likely_scatter;
 use crate::subset::Subset;
 use crate::whole::Whole;
 
@@ -66,13 +65,11 @@ impl<'a> Weighed<'a> {
             return None;
         }
         let (stand, subset) = (&selected.stand, &selected.subset);
-        let context = subset.context_of(bench, &stand.fitted);
-        let whitener = stand.whitener.with_scatter(&context, likely_scatter(stand));
         let parameters = stand.columns.len().max(1) as f64;
         let mut weighed = Self {
             bench,
             subset,
-            whitener,
+            whitener: stand.likely_noise(),
             own: 0.0,
             wrong: 2.0 * (2.0 / parameters).sqrt(),
             doubts: Vec::new(),

@@ -24,6 +24,7 @@ const RUNS_TOGETHER: usize = 96;
 /// Whitening of residuals and Jacobians under a noise model.
 #[derive(Clone)]
 pub struct Whitener {
+    runs: Arc<[Range<usize>]>,
     along: Arc<Along>,
     rotations: Option<Arc<Rotations>>,
     scatter: Option<ScatterRoot>,
@@ -42,7 +43,7 @@ enum ScatterRoot {
     },
     /// The same with each run's direction restricted to its own samples.
     RunByRun {
-        runs: Vec<Range<usize>>,
+        runs: Arc<[Range<usize>]>,
         direction: Vec<f64>,
         shrink: Vec<f64>,
     },
@@ -60,7 +61,8 @@ impl Whitener {
             Arc::new(Rotations::new(&rows, &grid, sizes))
         });
         log_det += rotations.as_ref().map_or(0.0, |r| r.log_det);
-        let mut whitener = Self {
+        let whitener = Self {
+            runs: context.runs.clone().into(),
             along: Arc::new(along),
             rotations,
             scatter: None,
@@ -68,33 +70,37 @@ impl Whitener {
             log_det,
         };
         if sizes.scatter > 0.0 {
-            whitener.add_scatter(context, sizes.scatter);
+            let gains = if whitener.couples_runs() {
+                gain_columns(context)
+            } else {
+                all_gains(context)
+            };
+            return whitener.with_scatter(&whitener.whiten_columns(&gains), sizes.scatter);
         }
         whitener
     }
 
-    /// The same noise with another scatter between runs (zero: none).
-    pub fn with_scatter(&self, context: &Context, scatter: f64) -> Self {
+    /// The same noise with a scatter between runs. `white_gains`: what these recursions, without a scatter, make of the force of each run,
+    /// one column a run, or of many runs several a column.
+    pub fn with_scatter(&self, white_gains: &DMatrix<f64>, scatter: f64) -> Self {
+        debug_assert!(self.scatter.is_none(), "gains are whitened once");
         let mut other = self.clone();
-        if let Some(old) = other.scatter.take() {
-            other.log_det -= old.log_det();
-        }
         if scatter > 0.0 {
-            other.add_scatter(context, scatter);
+            let root = if self.couples_runs() {
+                ScatterRoot::joint(white_gains, scatter)
+            } else {
+                ScatterRoot::run_by_run(&self.runs, white_gains, scatter)
+            };
+            other.log_det += root.log_det();
+            other.scatter = Some(root);
         }
         other
     }
 
-    fn add_scatter(&mut self, context: &Context, scatter: f64) {
-        // Without a field that they share runs are independent: run by run is then exact.
-        let root = if self.rotations.is_some() && context.runs.len() <= RUNS_TOGETHER {
-            ScatterRoot::joint(&self.whiten_columns(&gain_columns(context)), scatter)
-        } else {
-            let gains = self.whiten_columns(&all_gains(context));
-            ScatterRoot::run_by_run(context, &gains, scatter)
-        };
-        self.log_det += root.log_det();
-        self.scatter = Some(root);
+    /// Whether the scatter's root is taken of all runs together. Without a field that they share runs are independent: run by run is then
+    /// exact.
+    fn couples_runs(&self) -> bool {
+        self.rotations.is_some() && self.runs.len() <= RUNS_TOGETHER
     }
 
     /// W r.
@@ -157,6 +163,11 @@ impl Whitener {
         }
     }
 
+    /// Samples that it whitens.
+    pub fn samples(&self) -> usize {
+        self.runs.last().map_or(0, |run| run.end)
+    }
+
     /// log det V.
     pub fn log_det(&self) -> f64 {
         self.log_det
@@ -181,10 +192,10 @@ impl ScatterRoot {
         Self::Joint { directions, shrink }
     }
 
-    fn run_by_run(context: &Context, gains: &DMatrix<f64>, scatter: f64) -> Self {
-        let mut direction = gains.column(0).iter().copied().collect::<Vec<f64>>();
-        let mut shrink = Vec::with_capacity(context.runs.len());
-        for run in &context.runs {
+    fn run_by_run(runs: &Arc<[Range<usize>]>, gains: &DMatrix<f64>, scatter: f64) -> Self {
+        let mut direction: Vec<f64> = gains.column_sum().iter().copied().collect();
+        let mut shrink = Vec::with_capacity(runs.len());
+        for run in runs.iter() {
             let own = &mut direction[run.clone()];
             let power: f64 = own.iter().map(|x| x * x).sum();
             if power > 0.0 {
@@ -193,7 +204,7 @@ impl ScatterRoot {
             shrink.push(shrinkage(scatter, power));
         }
         Self::RunByRun {
-            runs: context.runs.clone(),
+            runs: runs.clone(),
             direction,
             shrink,
         }
