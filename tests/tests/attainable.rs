@@ -37,10 +37,8 @@ fn rows(material: &str) -> Vec<Row> {
         private: noise.roughness * (1.0 - noise.plate_share).sqrt(),
         plate: noise.roughness * noise.plate_share.sqrt(),
         length: noise.correlation_m,
-        smoothing: 0.0,
-        plate_ratio: 1.0,
-        plate_smoothing: 0.0,
         scatter: noise.scatter,
+        ..Sizes::NONE
     };
     let campaign = campaign::open(&folder.join(format!("brush-2x2-{material}"))).unwrap();
     let bound = least_sd(&campaign, law, &truth, &sizes).unwrap().unwrap();

@@ -72,6 +72,7 @@ fn whitened(protocol: Protocol, size: f64, seed: u64) -> Vec<(bool, Vec<f64>)> {
     let residual: Vec<f64> = planted.zip(&predicted).map(|(a, b)| a - b).collect();
     let context = Context {
         conditions: Vec::new(),
+        steps_s: Vec::new(),
         runs: experiment.runs.iter().map(|r| r.samples.clone()).collect(),
         sliding,
         place,
@@ -92,10 +93,8 @@ fn whitened(protocol: Protocol, size: f64, seed: u64) -> Vec<(bool, Vec<f64>)> {
         private: noise.roughness,
         plate: 0.0,
         length: noise.correlation_m,
-        smoothing: 0.0,
-        plate_ratio: 1.0,
-        plate_smoothing: 0.0,
         scatter: noise.scatter,
+        ..Sizes::NONE
     };
     let white = Whitener::new(&context, &sizes).whiten(&DVector::from_vec(residual));
     (experiment.runs.iter())

@@ -40,6 +40,10 @@ pub struct NoiseFloor {
     pub source: String,
     /// Sensor noise (white), in N or N m.
     pub sensor: f64,
+    /// Standard deviation of the force channel's wander, in N or N m; 0 where none is seen.
+    pub wander: f64,
+    /// Time over which the wander is correlated, s; none without it.
+    pub wander_time_s: Option<f64>,
     /// Roughness private to a run, relative to the friction force.
     pub roughness_private: f64,
     /// Roughness fixed to the plate, relative to the friction force.

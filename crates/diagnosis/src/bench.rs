@@ -411,10 +411,8 @@ impl<'a> Bench<'a> {
             private: 0.01,
             plate: 0.0,
             length: ((hi - lo) / 150.0).max(1e-9),
-            smoothing: 0.0,
-            plate_ratio: 1.0,
-            plate_smoothing: 0.0,
             scatter: 0.01,
+            ..Sizes::NONE
         }
     }
 

@@ -79,10 +79,8 @@ pub fn design(campaign: &Campaign, options: &Options) -> Result<Design, Diagnosi
         private: half,
         plate: half,
         length: (hi - lo) / 200.0,
-        smoothing: 0.0,
-        plate_ratio: 1.0,
-        plate_smoothing: 0.0,
         scatter: NOMINAL_SCATTER,
+        ..Sizes::NONE
     };
     let subset = Subset::all(&bench);
     let fitted = Fitted {
@@ -141,6 +139,8 @@ pub fn design(campaign: &Campaign, options: &Options) -> Result<Design, Diagnosi
             unit: floor::unit(&bench).into(),
             source: "assumed".into(),
             sensor: sizes.sensor,
+            wander: sizes.wander,
+            wander_time_s: None,
             roughness_private: sizes.private,
             roughness_plate: sizes.plate,
             roughness_length: sizes.length,

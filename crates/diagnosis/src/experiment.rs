@@ -110,6 +110,7 @@ fn distance(
     let mut context = Context {
         runs: Vec::new(),
         conditions: Vec::new(),
+        steps_s: Vec::new(),
         sliding: Vec::new(),
         place: Vec::new(),
         scale: friction,
@@ -118,6 +119,8 @@ fn distance(
     };
     for run in &experiment.runs[bench.samples.runs.len()..] {
         let start = context.sliding.len();
+        let steps_s = run.time_s.windows(2).map(|pair| pair[1] - pair[0]);
+        context.steps_s.extend(std::iter::once(0.0).chain(steps_s));
         context.sliding.extend(&run.distance_m);
         context.place.extend(&run.position_m);
         context.runs.push(start..context.sliding.len());

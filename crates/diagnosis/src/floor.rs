@@ -86,7 +86,7 @@ pub(crate) fn modelled(bench: &Bench<'_>, prediction: &[f64], sizes: &Sizes) -> 
             } else {
                 1.0
             };
-            (sizes.sensor.powi(2) + relative * f * f) / (unit * unit)
+            (sizes.sensor.powi(2) + sizes.wander.powi(2) + relative * f * f) / (unit * unit)
         })
         .sum();
     (sum / prediction.len().max(1) as f64).sqrt()
@@ -139,6 +139,8 @@ pub(crate) fn noise_floor(
         }
         .into(),
         sensor: sizes.sensor,
+        wander: sizes.wander,
+        wander_time_s: (sizes.wander > 0.0).then_some(sizes.wander_time_s),
         roughness_private: sizes.private,
         roughness_plate: sizes.plate,
         roughness_length: sizes.length,

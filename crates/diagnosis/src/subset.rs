@@ -166,10 +166,11 @@ impl Subset {
             place: places,
             scale: self.gather(scale).as_slice().to_vec(),
             channel: Arc::new(Channel {
-                lag: Lag::new(steps_s.into_iter(), self.late.lag_s),
+                lag: Lag::new(steps_s.iter().copied(), self.late.lag_s),
                 rings: Vec::new(),
             }),
             rows: bench.samples.averaged_at(&self.rows),
+            steps_s,
         }
     }
 

@@ -211,10 +211,7 @@ impl Task<'_> {
                 private: 0.0,
                 plate: 0.0,
                 length: self.experiment.scales.travel_m,
-                smoothing: 0.0,
-                plate_ratio: 1.0,
-                plate_smoothing: 0.0,
-                scatter: 0.0,
+                ..Sizes::NONE
             },
             log_sd: Vec::new(),
             scatter: ScatterEvidence {

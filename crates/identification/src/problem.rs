@@ -91,6 +91,7 @@ pub(crate) fn noise_context(experiment: &Experiment, predicted: &[f64]) -> Conte
             .map(|run| run.samples.clone())
             .collect(),
         conditions: Vec::new(),
+        steps_s: Vec::new(),
         sliding: stacked(|run| &run.distance_m),
         place: stacked(|run| &run.position_m),
         scale,

@@ -64,14 +64,9 @@ mod tests {
     fn paths_have_the_stated_covariance() {
         for smoothing in [0.0_f64, 0.6] {
             let sizes = Sizes {
-                sensor: 0.0,
                 private: 1.0,
-                plate: 0.0,
-                length: 1.0,
                 smoothing,
-                plate_ratio: 1.0,
-                plate_smoothing: 0.0,
-                scatter: 0.0,
+                ..Sizes::NONE
             };
             let mut generator = ChaCha8Rng::seed_from_u64(3);
             let places: Vec<f64> = (0..60_000).map(|i| 0.5 * f64::from(i)).collect();

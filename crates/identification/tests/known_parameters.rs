@@ -207,10 +207,8 @@ fn a_prediction_band_holds_its_share_of_new_campaigns() {
             private: 0.004,
             plate: 0.004,
             length: 2e-3,
-            smoothing: 0.0,
-            plate_ratio: 1.0,
-            plate_smoothing: 0.0,
             scatter: 0.006,
+            ..Sizes::NONE
         },
     };
     let simulation = Simulation::new(&template, &truth, 3, 0).unwrap();

@@ -115,10 +115,7 @@ impl Oracle {
             private: noise.roughness * (1.0 - noise.plate_share).sqrt(),
             plate: noise.roughness * noise.plate_share.sqrt(),
             length: noise.correlation_m,
-            smoothing: 0.0,
-            plate_ratio: 1.0,
-            plate_smoothing: 0.0,
-            scatter: 0.0,
+            ..Sizes::NONE
         };
         let whitener = Whitener::new(&context, &sizes);
         let scatter = noise.scatter;
@@ -383,6 +380,7 @@ fn context(plan: &Plan, recordings: &[Recording]) -> Context {
     }
     Context {
         conditions: Vec::new(),
+        steps_s: Vec::new(),
         channel: Arc::default(),
         rows: Vec::new(),
         runs,

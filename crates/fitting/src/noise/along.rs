@@ -13,7 +13,8 @@
 //!
 //! Behind a filter or a resonance the white noise is coloured (N8): its recursion's states s join, and r_i = f_i (u + w) + s_1 + c_0 e_i.
 //!
-//! Smooth roughness (N7) has its driver v as a further state, which is not observed.
+//! Smooth roughness (N7) has its driver v as a further state, which is not observed. Where the force channel wanders its wander a is one that
+//! decays with time and not with the way, and r_i = f_i (u + w) + a + ....
 //!
 //! The coefficients do not depend on the data: they are kept, and a column costs ten operations a sample.
 
@@ -34,6 +35,8 @@ pub(super) struct Along {
     pub(super) gain: Vec<[f64; 2]>,
     /// The driver of smooth roughness; empty where it is exponential.
     driver: Vec<Driver>,
+    /// The wander of the force channel; empty where there is none.
+    wander: Vec<Wander>,
     /// States of the coloured noise.
     pub(super) states: usize,
     /// The coloured noise; empty where it is white.
@@ -49,6 +52,14 @@ pub(super) struct Driver {
     /// Share of v that has gone into u since the sample before.
     pub(super) feed: f64,
     /// phi of v.
+    pub(super) decay: f64,
+    pub(super) gain: f64,
+}
+
+/// What the force channel's wander does at a sample.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Wander {
+    /// exp(-step/time), and zero at the first sample of a run.
     pub(super) decay: f64,
     pub(super) gain: f64,
 }
@@ -98,7 +109,7 @@ impl Coloured {
     }
 }
 
-/// Covariance of the states: u, its driver v, the field between the nodes w, those of the coloured noise s and the last e.
+/// Covariance of the states: u, its driver v, the field between the nodes w, the wander a, those of the coloured noise s and the last e.
 #[derive(Clone)]
 struct Covariance<const N: usize> {
     uu: f64,
@@ -107,29 +118,37 @@ struct Covariance<const N: usize> {
     uw: f64,
     vw: f64,
     ww: f64,
+    /// Of a with u, v, w and itself.
+    au: f64,
+    av: f64,
+    aw: f64,
+    aa: f64,
     us: [f64; N],
     vs: [f64; N],
     ws: [f64; N],
+    as_: [f64; N],
     ss: [[f64; N]; N],
-    /// Of e with u, v, w, the states s and itself.
+    /// Of e with u, v, w, a, the states s and itself.
     eu: f64,
     ev: f64,
     ew: f64,
+    ea: f64,
     es: [f64; N],
     ee: f64,
 }
 
-/// What a sample tells: its variance and the gains of u, v, w, e and s.
+/// What a sample tells: its variance and the gains of u, v, w, a, e and s.
 struct Told<const N: usize> {
     variance: f64,
     roughness: [f64; 3],
+    wander: f64,
     e: f64,
     states: [f64; N],
 }
 
 impl<const N: usize> Covariance<N> {
     /// At the first sample of a run.
-    fn stationary(private: f64, between: f64, roughness: Roughness) -> Self {
+    fn stationary(private: f64, between: f64, wander: f64, roughness: Roughness) -> Self {
         Self {
             uu: private,
             uv: private,
@@ -137,13 +156,19 @@ impl<const N: usize> Covariance<N> {
             uw: 0.0,
             vw: 0.0,
             ww: between,
+            au: 0.0,
+            av: 0.0,
+            aw: 0.0,
+            aa: wander,
             us: [0.0; N],
             vs: [0.0; N],
             ws: [0.0; N],
+            as_: [0.0; N],
             ss: [[0.0; N]; N],
             eu: 0.0,
             ev: 0.0,
             ew: 0.0,
+            ea: 0.0,
             es: [0.0; N],
             ee: 0.0,
         }
@@ -162,6 +187,8 @@ impl<const N: usize> Covariance<N> {
         self.vv = stationary.vv - slow * slow * vv;
         self.uw = w * (fast * self.uw + feed * self.vw);
         self.vw *= slow * w;
+        self.au = fast * self.au + feed * self.av;
+        self.av *= slow;
         for (us, vs) in self.us.iter_mut().zip(&mut self.vs) {
             *us = fast * *us + feed * *vs;
             *vs *= slow;
@@ -173,16 +200,27 @@ impl<const N: usize> Covariance<N> {
     fn advance_exponential(&mut self, stationary: &Self, u: f64, w: f64) {
         self.uu = u * u * self.uu + stationary.uu * (1.0 - u * u);
         self.uw *= u * w;
+        self.au *= u;
         self.us.iter_mut().for_each(|us| *us *= u);
         self.advance_field(stationary.ww, w);
     }
 
     fn advance_field(&mut self, stationary: f64, w: f64) {
         self.ww = w * w * self.ww + stationary * (1.0 - w * w);
+        self.aw *= w;
         self.ws.iter_mut().for_each(|ws| *ws *= w);
     }
 
-    /// The coloured noise one sample on, s = M s + feed e; before u, v and w move.
+    /// The wander one step in time on.
+    fn advance_wander(&mut self, stationary: f64, decay: f64) {
+        self.aa = decay * decay * self.aa + stationary * (1.0 - decay * decay);
+        for with in [&mut self.au, &mut self.av, &mut self.aw] {
+            *with *= decay;
+        }
+        self.as_.iter_mut().for_each(|with| *with *= decay);
+    }
+
+    /// The coloured noise one sample on, s = M s + feed e; before u, v, w and a move.
     fn advance_noise(&mut self, colour: &Colour) {
         // covariances with the states after, from those with the states and with e before
         let after = |with: &[f64; N], with_e: f64| -> [f64; N] {
@@ -197,6 +235,7 @@ impl<const N: usize> Covariance<N> {
         self.us = after(&self.us, self.eu);
         self.vs = after(&self.vs, self.ev);
         self.ws = after(&self.ws, self.ew);
+        self.as_ = after(&self.as_, self.ea);
         let rows: [[f64; N]; N] = std::array::from_fn(|i| after(&self.ss[i], self.es[i]));
         let of_e = after(&self.es, self.ee);
         self.ss = std::array::from_fn(|i| {
@@ -207,21 +246,27 @@ impl<const N: usize> Covariance<N> {
         });
     }
 
-    /// What a sample f (u + w) + s_1 + c_0 e tells.
+    /// What a sample f (u + w) + a + s_1 + c_0 e tells.
     fn observe(&mut self, f: f64, own: f64, white: f64) -> Told<N> {
         let first = |of: &[f64; N]| of.first().copied().unwrap_or_default();
-        let (us, vs, ws) = (first(&self.us), first(&self.vs), first(&self.ws));
-        let ss = self.ss.first().map_or(0.0, |row| row[0]);
-        let of_white = own * own * white + ss + 2.0 * f * (us + ws);
+        // covariances of a state with what of a sample does not scale with f
+        let (us, vs, ws) = (
+            first(&self.us) + self.au,
+            first(&self.vs) + self.av,
+            first(&self.ws) + self.aw,
+        );
+        let (sa, ss) = (first(&self.as_), self.ss.first().map_or(0.0, |row| row[0]));
+        let of_white = own * own * white + ss + 2.0 * sa + self.aa + 2.0 * f * (us + ws);
         let variance = f * f * (self.uu + 2.0 * self.uw + self.ww) + of_white;
         let seen = [
             f * (self.uu + self.uw) + us,
             f * (self.uv + self.vw) + vs,
             f * (self.uw + self.ww) + ws,
+            f * (self.au + self.aw) + self.aa + sa,
         ];
         let seen_states: [f64; N] =
-            std::array::from_fn(|j| f * (self.us[j] + self.ws[j]) + self.ss[0][j]);
-        let [u, v, w] = seen.map(|s| s / variance);
+            std::array::from_fn(|j| f * (self.us[j] + self.ws[j]) + self.as_[j] + self.ss[0][j]);
+        let [u, v, w, a] = seen.map(|s| s / variance);
         let states = seen_states.map(|s| s / variance);
         let seen_e = own * white;
         let e = seen_e / variance;
@@ -231,20 +276,26 @@ impl<const N: usize> Covariance<N> {
         self.uw -= u * seen[2];
         self.vw -= v * seen[2];
         self.ww -= w * seen[2];
+        self.au -= u * seen[3];
+        self.av -= v * seen[3];
+        self.aw -= w * seen[3];
+        self.aa -= a * seen[3];
         for j in 0..N {
             self.us[j] -= u * seen_states[j];
             self.vs[j] -= v * seen_states[j];
             self.ws[j] -= w * seen_states[j];
+            self.as_[j] -= a * seen_states[j];
             self.es[j] = -e * seen_states[j];
             for i in 0..N {
                 self.ss[i][j] -= states[i] * seen_states[j];
             }
         }
         self.ee = white - e * seen_e;
-        (self.eu, self.ev, self.ew) = (-u * seen_e, -v * seen_e, -w * seen_e);
+        [self.eu, self.ev, self.ew, self.ea] = [u, v, w, a].map(|gain| -gain * seen_e);
         Told {
             variance,
             roughness: [u, v, w],
+            wander: a,
             e,
             states,
         }
@@ -272,8 +323,10 @@ impl Along {
         let stationary = Covariance::<N>::stationary(
             sizes.private * sizes.private,
             sizes.plate * sizes.plate * unresolved,
+            sizes.wander * sizes.wander,
             roughness,
         );
+        let wanders = sizes.wander > 0.0;
         let between = sizes.plate_length() * unresolved.max(1e-6);
         let white = sizes.sensor * sizes.sensor;
         let colours = undone.colours(&context.runs);
@@ -282,6 +335,7 @@ impl Along {
             scale: context.scale.clone(),
             gain: vec![[0.0; 2]; n],
             driver: Vec::new(),
+            wander: Vec::new(),
             states: N,
             coloured: Vec::new(),
             inverse_sd: vec![0.0; n],
@@ -296,7 +350,7 @@ impl Along {
         for run in &context.runs {
             let mut state = stationary.clone();
             for i in run.clone() {
-                let mut driver = Driver::default();
+                let (mut driver, mut fading) = (Driver::default(), 0.0);
                 let colour = colours.get(i).copied();
                 if i > run.start {
                     if let Some(colour) = &colour {
@@ -317,6 +371,10 @@ impl Along {
                         filter.decay[i] = [step.fast, w];
                         (driver.feed, driver.decay) = (step.feed, step.slow);
                     }
+                    if wanders {
+                        fading = (-context.steps_s[i] / sizes.wander_time_s).exp();
+                        state.advance_wander(stationary.aa, fading);
+                    }
                 }
                 let own = colour.map_or(1.0, |colour| colour.own);
                 let told = state.observe(filter.scale[i], own, white);
@@ -333,6 +391,10 @@ impl Along {
                 if !roughness.is_exponential() {
                     filter.driver.push(Driver { gain: v, ..driver });
                 }
+                if wanders {
+                    let (decay, gain) = (fading, told.wander);
+                    filter.wander.push(Wander { decay, gain });
+                }
                 filter.gain[i] = [u, w];
                 filter.inverse_sd[i] = 1.0 / told.variance.sqrt();
                 filter.log_det += told.variance.ln();
@@ -346,6 +408,11 @@ impl Along {
         self.driver.get(i).copied().unwrap_or_default()
     }
 
+    /// The wander at a sample; nothing where there is none.
+    pub(super) fn wander(&self, i: usize) -> Wander {
+        self.wander.get(i).copied().unwrap_or_default()
+    }
+
     /// The coloured noise at a sample; nothing where it is white.
     pub(super) fn coloured(&self, i: usize) -> Coloured {
         self.coloured.get(i).copied().unwrap_or_default()
@@ -356,22 +423,33 @@ impl Along {
     pub(super) fn whiten(&self, columns: &mut [&mut [f64]]) {
         wide(
             #[inline(always)]
-            || match (self.states, self.driver.is_empty()) {
-                (0, true) => self.innovations::<0, false>(columns),
-                (1, true) => self.innovations::<1, false>(columns),
-                (_, true) => self.innovations::<MOST_STATES, false>(columns),
-                (0, false) => self.innovations::<0, true>(columns),
-                (1, false) => self.innovations::<1, true>(columns),
-                (_, false) => self.innovations::<MOST_STATES, true>(columns),
+            || match (self.driver.is_empty(), self.wander.is_empty()) {
+                (true, true) => self.innovations_of::<false, false>(columns),
+                (false, true) => self.innovations_of::<true, false>(columns),
+                (true, false) => self.innovations_of::<false, true>(columns),
+                (false, false) => self.innovations_of::<true, true>(columns),
             },
         );
     }
 
     #[inline(always)]
-    fn innovations<const N: usize, const SMOOTH: bool>(&self, columns: &mut [&mut [f64]]) {
+    fn innovations_of<const SMOOTH: bool, const WANDERS: bool>(&self, columns: &mut [&mut [f64]]) {
+        match self.states {
+            0 => self.innovations::<0, SMOOTH, WANDERS>(columns),
+            1 => self.innovations::<1, SMOOTH, WANDERS>(columns),
+            _ => self.innovations::<MOST_STATES, SMOOTH, WANDERS>(columns),
+        }
+    }
+
+    #[inline(always)]
+    fn innovations<const N: usize, const SMOOTH: bool, const WANDERS: bool>(
+        &self,
+        columns: &mut [&mut [f64]],
+    ) {
         for block in columns.chunks_mut(TOGETHER) {
             let (mut u, mut w) = ([0.0; TOGETHER], [0.0; TOGETHER]);
             let (mut v, mut e) = ([0.0; TOGETHER], [0.0; TOGETHER]);
+            let mut a = [0.0; TOGETHER];
             let mut states = [[0.0; N]; TOGETHER];
             for i in 0..self.scale.len() {
                 let (decay, gain) = (self.decay[i], self.gain[i]);
@@ -385,6 +463,11 @@ impl Along {
                 } else {
                     Driver::default()
                 };
+                let wander = if WANDERS {
+                    self.wander[i]
+                } else {
+                    Wander::default()
+                };
                 let mut x = [0.0; TOGETHER];
                 for (x, column) in x.iter_mut().zip(block.iter()) {
                     *x = column[i];
@@ -397,6 +480,10 @@ impl Along {
                         v[k] *= driver.decay;
                     }
                     let mut innovation = x[k] - self.scale[i] * (u[k] + w[k]);
+                    if WANDERS {
+                        a[k] *= wander.decay;
+                        innovation -= a[k];
+                    }
                     if N > 0 {
                         coloured.advance(&mut states[k], e[k]);
                         innovation -= states[k][0];
@@ -404,6 +491,9 @@ impl Along {
                     }
                     u[k] += gain[0] * innovation;
                     w[k] += gain[1] * innovation;
+                    if WANDERS {
+                        a[k] += wander.gain * innovation;
+                    }
                     if SMOOTH {
                         v[k] += driver.gain * innovation;
                     }
@@ -418,16 +508,17 @@ impl Along {
 
     /// Replaces a stacked column x by (the filter)' x: the same recursion run backwards on the adjoint states.
     pub(super) fn whiten_transposed(&self, column: &mut [f64]) {
-        let (mut u, mut v, mut w, mut e) = (0.0, 0.0, 0.0, 0.0);
+        let (mut u, mut v, mut w, mut a, mut e) = (0.0, 0.0, 0.0, 0.0, 0.0);
         let mut states = [0.0; MOST_STATES];
         for (i, x) in column.iter_mut().enumerate().rev() {
             let driver = self.driver(i);
-            let coloured = self.coloured(i);
+            let (coloured, wander) = (self.coloured(i), self.wander(i));
             let of_noise = (states.iter().zip(&coloured.gains)).map(|(s, gain)| s * gain);
             let innovation = *x * self.inverse_sd[i]
                 + self.gain[i][0] * u
                 + self.gain[i][1] * w
                 + driver.gain * v
+                + wander.gain * a
                 + coloured.gain * e
                 + of_noise.sum::<f64>();
             if self.states > 0 {
@@ -438,6 +529,7 @@ impl Along {
             u = after * self.decay[i][0];
             v = v * driver.decay + after * driver.feed;
             w = (w - self.scale[i] * innovation) * self.decay[i][1];
+            a = (a - innovation) * wander.decay;
             *x = innovation;
         }
     }

@@ -14,6 +14,8 @@ pub struct Context {
     /// Condition of each run: runs of one condition are repeats. Empty where the mean is trusted to tell conditions apart, so that what
     /// differs between them beyond it is scatter like any other.
     pub conditions: Vec<usize>,
+    /// Time since the sample before, s; zero at the first sample of a run. Empty where the force channel cannot wander.
+    pub steps_s: Vec<f64>,
     /// Distance slid since the start of the run, m (or rad), never decreasing within a run.
     pub sliding: Vec<f64>,
     /// Position on the plate, m (or rad).
@@ -31,6 +33,10 @@ pub struct Context {
 pub struct Sizes {
     /// Standard deviation of the white sensor noise, in the unit of the data.
     pub sensor: f64,
+    /// Standard deviation of the force channel's wander, in the unit of the data.
+    pub wander: f64,
+    /// Time over which the wander is correlated, s.
+    pub wander_time_s: f64,
     /// Relative standard deviation of the roughness private to a run.
     pub private: f64,
     /// Relative standard deviation of the roughness fixed to the plate.
@@ -58,6 +64,20 @@ const NODES_PER_LENGTH: f64 = 12.0;
 const FINEST: f64 = 3.0;
 
 impl Sizes {
+    /// No noise at all.
+    pub const NONE: Self = Self {
+        sensor: 0.0,
+        wander: 0.0,
+        wander_time_s: 1.0,
+        private: 0.0,
+        plate: 0.0,
+        length: 1.0,
+        smoothing: 0.0,
+        plate_ratio: 1.0,
+        plate_smoothing: 0.0,
+        scatter: 0.0,
+    };
+
     /// Correlation length of the plate's roughness, m (or rad).
     pub fn plate_length(&self) -> f64 {
         self.length * self.plate_ratio

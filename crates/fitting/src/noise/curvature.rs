@@ -4,11 +4,11 @@
 //! differences are, with the spectra
 //!
 //! ```text
-//! S1 = sensor^2 + f^2 (private^2 R + m plate^2 R_p),   S2 = sensor^2 + f^2 private^2 R                  (N9)
+//! S1 = S2 + m f^2 plate^2 R_p,   S2 = sensor^2 + wander^2 A + f^2 private^2 R                          (N9)
 //! d^2 (-2 log L) / da db  ~  sum_i mean_w [ g1_a g1_b / m + g2_a g2_b (m - 1) / m ],   g = d log S / d.
 //! ```
 //!
-//! (Whittle's likelihood and its Fisher information), R the spectrum of unit roughness passed in steps as long as at sample i. What the mean
+//! (Whittle's likelihood and its Fisher information), R the spectrum of unit roughness passed in steps as long as at sample i, A that of a unit wander. What the mean
 //! takes and where nodes lie is not in it: it is near enough for a first step to be of the right length in every direction, and costs
 //! less than a tenth of one value of the likelihood.
 
@@ -28,10 +28,17 @@ const LEAST: f64 = 1.0;
 /// Shortest way between two samples, in correlation lengths: a rig at rest shows no roughness.
 const AT_REST: f64 = 1e-9;
 
+/// A sample: its force, and way and time since the one before.
+#[derive(Clone)]
+struct Sampled {
+    force: f64,
+    way: f64,
+    step_s: f64,
+}
+
 /// What the spectra depend on beside the sizes.
 pub(super) struct Spectra {
-    /// Force and way since the sample before.
-    samples: Vec<(f64, f64)>,
+    samples: Vec<Sampled>,
     /// How many samples each of them stands for.
     each: f64,
     /// Passes over a place, in the mean.
@@ -50,10 +57,11 @@ impl Spectra {
             .iter()
             .flat_map(|run| run.start + 1..run.end)
             .step_by((context.samples() / SAMPLES).max(1));
-        let samples: Vec<(f64, f64)> = inner
-            .map(|i| {
-                let way = context.sliding[i] - context.sliding[i - 1];
-                (context.scale[i], way)
+        let samples: Vec<Sampled> = inner
+            .map(|i| Sampled {
+                force: context.scale[i],
+                way: context.sliding[i] - context.sliding[i - 1],
+                step_s: context.steps_s.get(i).copied().unwrap_or_default(),
             })
             .collect();
         Self {
@@ -91,12 +99,14 @@ impl Spectra {
             (each * (1.0 - 1.0 / self.passes)).sqrt(),
         ];
         let mut out = Vec::with_capacity(2 * FREQUENCIES * self.samples.len());
-        for &(force, way) in &self.samples {
+        for &Sampled { force, way, step_s } in &self.samples {
+            let fading = (-step_s / sizes.wander_time_s).exp();
             let scaled = |size: f64| (force * size).powi(2);
             let (own, shared) = (scaled(sizes.private), scaled(sizes.plate));
             for k in 0..FREQUENCIES {
                 let w = std::f64::consts::PI * (k as f64 + 0.5) / FREQUENCIES as f64;
-                let apart = sizes.sensor.powi(2) + own * spectrum(private, way, w);
+                let channel = sizes.sensor.powi(2) + sizes.wander.powi(2) * wandering(fading, w);
+                let apart = channel + own * spectrum(private, way, w);
                 let together = apart + self.passes * shared * spectrum(plate, way, w);
                 out.push(weights[0] * together.max(f64::MIN_POSITIVE).ln());
                 out.push(weights[1] * apart.max(f64::MIN_POSITIVE).ln());
@@ -104,6 +114,11 @@ impl Spectra {
         }
         DVector::from_vec(out)
     }
+}
+
+/// Power of a unit wander at w radians a sample, of which such a share is left after a sample; the mean over all w is one.
+fn wandering(fading: f64, w: f64) -> f64 {
+    (1.0 - fading * fading) / (1.0 - 2.0 * fading * w.cos() + fading * fading)
 }
 
 /// Power of unit roughness at w radians a sample, passed in steps of this way; the mean over all w is one.
@@ -123,10 +138,7 @@ mod tests {
         private: 0.01,
         plate: 0.0,
         length: 2e-3,
-        smoothing: 0.0,
-        plate_ratio: 1.0,
-        plate_smoothing: 0.0,
-        scatter: 0.0,
+        ..Sizes::NONE
     };
 
     /// The spectrum's mean over all frequencies is the variance, one, exponential or smooth.
@@ -148,7 +160,14 @@ mod tests {
     #[test]
     fn the_curvature_of_white_noise_is_known() {
         let spectra = Spectra {
-            samples: vec![(0.0, 1e-4); 10],
+            samples: vec![
+                Sampled {
+                    force: 0.0,
+                    way: 1e-4,
+                    step_s: 0.01
+                };
+                10
+            ],
             each: 50.0,
             passes: 3.0,
         };

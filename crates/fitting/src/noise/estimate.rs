@@ -3,6 +3,8 @@
 //! First the roughness, its length and the sensor noise from what happens within runs (N3), a gain for every run being
 //! part of the mean; then, with these, the scatter between runs from what the mean leaves between runs (N2).
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -23,8 +25,8 @@ pub struct EstimateOptions {
     pub search: Search,
     /// Whether the standard deviations of the sizes are wanted (they cost some thirty evaluations).
     pub uncertainty: bool,
-    /// Whether the roughness may be smoother than exponential, or that of the plate have a length of its own. Where nothing else is asked
-    /// what a law leaves, such roughness also swallows structure that the law misses.
+    /// Whether the roughness may be smoother than exponential, or that of the plate have a length of its own, and whether the force channel may
+    /// wander. Where nothing else is asked what a law leaves, such noise also swallows structure that the law misses.
     pub smooth: bool,
 }
 
@@ -111,8 +113,13 @@ pub fn estimate(
     if let Some(shared) = frame.shared_out(&criterion, &minimum, &mut evaluations) {
         minimum = shared;
     }
+    if options.smooth && context.rows.is_empty() {
+        if let Some(wandering) = frame.wandering(&criterion, &minimum, &mut evaluations) {
+            (frame, minimum) = (wandering.frame, wandering.minimum);
+        }
+    }
     // What rows are the means of is known of exponential roughness only.
-    let exponential = minimum.point.len() == MORE && options.search != Search::Near;
+    let exponential = frame.is_exponential(&minimum.point) && options.search != Search::Near;
     if options.smooth && exponential && context.rows.is_empty() {
         // Longer roughness first: at the bound of its length it would be taken for another kind.
         if let Some(longer) = frame.longer(&criterion, &minimum, &mut evaluations) {
@@ -171,6 +178,23 @@ pub fn estimate(
     }
 }
 
+/// Times over which a force channel may wander: from some samples, below which that is white noise, to a share of a run, beyond which it
+/// is a level of the run's own.
+fn wander_times_s(context: &Context) -> (f64, f64) {
+    const SAMPLES: f64 = 1.5;
+    const SHARE: f64 = 0.1;
+    let of_run = |run: &Range<usize>| -> f64 {
+        context
+            .steps_s
+            .get(run.clone())
+            .map_or(0.0, |steps| steps.iter().sum())
+    };
+    let longest = context.runs.iter().map(of_run).fold(0.0, f64::max);
+    let steps = context.samples().saturating_sub(context.runs.len()).max(1) as f64;
+    let step = context.steps_s.iter().sum::<f64>() / steps;
+    (SAMPLES * step, SHARE * longest)
+}
+
 /// Gains of all runs, or for very many of 96 of them, evenly chosen; and the conditions of the runs, where gains are of all.
 fn gain_columns_limited(context: &Context) -> (DMatrix<f64>, Vec<usize>) {
     const MOST: usize = 96;
@@ -188,14 +212,14 @@ fn gain_columns_limited(context: &Context) -> (DMatrix<f64>, Vec<usize>) {
     (gains, Vec::new())
 }
 
-/// Coordinates of the search: logarithms of sensor, private, plate, length and, where the record asks for one, of a further number.
-const SENSOR: usize = 0;
+/// Coordinates of the search: logarithms of sensor, private, plate, length; of wander and its time, where the force channel wanders; and,
+/// where the record asks for them, of a further number ([`Frame::more`]) and the smoothing of the plate's roughness.
+pub(super) const SENSOR: usize = 0;
 pub(super) const PRIVATE: usize = 1;
 pub(super) const PLATE: usize = 2;
 pub(super) const LENGTH: usize = 3;
-pub(super) const MORE: usize = 4;
-/// The smoothing of the plate's roughness where it is a number of its own.
-pub(super) const SMOOTHER_PLATE: usize = 5;
+const WANDER: usize = 4;
+const WANDER_TIME: usize = 5;
 
 /// What the further coordinate is. Roughness is smoother than exponential, that of the plate perhaps still smoother, or that of the plate has
 /// a length of its own; what smoothing and a second length at once would be has not been seen.
@@ -226,6 +250,10 @@ const ON_BOUND: f64 = 0.05;
 #[derive(Clone)]
 pub(super) struct Frame {
     bounds: Vec<(f64, f64)>,
+    /// Whether the force channel wanders.
+    wanders: bool,
+    /// Shortest and longest time over which it may, s.
+    pub(super) wander_times_s: (f64, f64),
     more: More,
     plate: bool,
     relative: f64,
@@ -280,9 +308,12 @@ impl Frame {
             (0.0, 0.0),
             (SMOOTHINGS.0.ln(), SMOOTHINGS.1.ln()),
         ];
+        let wanders = options.search.start().is_some_and(|s| s.wander > 0.0);
         let own_length = options.search.start().map_or(1.0, |s| s.plate_ratio) != 1.0;
         Self {
             bounds,
+            wanders: false,
+            wander_times_s: wander_times_s(context),
             more: More::Smoothing,
             plate,
             relative,
@@ -293,6 +324,7 @@ impl Frame {
             longest_to_and_fro,
         }
         .counting(options)
+        .wandering_if(wanders)
         .with(if own_length {
             More::PlateRatio
         } else {
@@ -300,10 +332,42 @@ impl Frame {
         })
     }
 
+    /// The same where the force channel wanders.
+    pub(super) fn wandering_if(mut self, wanders: bool) -> Self {
+        if wanders && !self.wanders {
+            let (shortest, longest) = self.wander_times_s;
+            let sizes = self.bounds[SENSOR];
+            let times = (shortest.ln(), longest.ln());
+            self.bounds.splice(WANDER..WANDER, [sizes, times]);
+            self.wanders = true;
+        }
+        self
+    }
+
+    /// Whether the force channel wanders.
+    pub(super) fn wanders(&self) -> bool {
+        self.wanders
+    }
+
+    /// The further coordinate.
+    pub(super) fn more(&self) -> usize {
+        if self.wanders {
+            WANDER_TIME + 1
+        } else {
+            WANDER
+        }
+    }
+
+    /// Whether a point has no further coordinate.
+    fn is_exponential(&self, point: &[f64]) -> bool {
+        point.len() == self.more()
+    }
+
     /// The same with another further coordinate.
     pub(super) fn with(mut self, more: More) -> Self {
         self.more = more;
-        self.bounds[MORE] = match more {
+        let place = self.more();
+        self.bounds[place] = match more {
             More::Smoothing => (SMOOTHINGS.0.ln(), SMOOTHINGS.1.ln()),
             More::PlateRatio => (-MOST_RATIO.ln(), MOST_RATIO.ln()),
         };
@@ -312,7 +376,7 @@ impl Frame {
 
     /// Whether a point has one smoothing for both roughnesses.
     pub(super) fn is_smooth(&self, point: &[f64]) -> bool {
-        self.more == More::Smoothing && point.len() == SMOOTHER_PLATE
+        self.more == More::Smoothing && point.len() == self.more() + 1
     }
 
     /// The same with longer roughness, where the record allows for it and `found` lies on the bound.
@@ -337,18 +401,21 @@ impl Frame {
     }
 
     pub(super) fn sizes(&self, x: &[f64]) -> Sizes {
-        let more = |kind: More| x.get(MORE).filter(|_| self.more == kind);
+        let more = |kind: More| x.get(self.more()).filter(|_| self.more == kind);
+        let wander = |k: usize| x.get(k).filter(|_| self.wanders).map(|w| w.exp());
         let length = x[LENGTH].exp();
         let ratio = more(More::PlateRatio).map_or(1.0, |s| s.exp());
         let longest = (self.longest_plate / length).max(1.0);
         Sizes {
             sensor: x[SENSOR].exp(),
+            wander: wander(WANDER).unwrap_or(Sizes::NONE.wander),
+            wander_time_s: wander(WANDER_TIME).unwrap_or(Sizes::NONE.wander_time_s),
             private: x[PRIVATE].exp(),
             plate: if self.plate { x[PLATE].exp() } else { 0.0 },
             length,
             smoothing: more(More::Smoothing).map_or(0.0, |s| s.exp()),
             plate_ratio: ratio.min(longest),
-            plate_smoothing: x.get(SMOOTHER_PLATE).map_or(0.0, |s| s.exp()),
+            plate_smoothing: x.get(self.more() + 1).map_or(0.0, |s| s.exp()),
             scatter: 0.0,
         }
     }
@@ -420,12 +487,14 @@ impl Frame {
                     .ln()
                     .clamp(self.bounds[LENGTH].0, self.bounds[LENGTH].1),
             ];
+            if self.wanders {
+                start.push(log(s.wander, WANDER));
+                let (shortest, longest) = self.bounds[WANDER_TIME];
+                start.push(s.wander_time_s.ln().clamp(shortest, longest));
+            }
             if self.more == More::PlateRatio {
-                start.push(
-                    s.plate_ratio
-                        .ln()
-                        .clamp(self.bounds[MORE].0, self.bounds[MORE].1),
-                );
+                let (least, most) = self.bounds[self.more()];
+                start.push(s.plate_ratio.ln().clamp(least, most));
             } else if s.smoothing > 0.0 {
                 start.push(s.smoothing.ln());
                 if s.plate_smoothing > 0.0 {
@@ -490,17 +559,19 @@ impl Frame {
         spacing: f64,
         value: f64,
     ) {
-        for part in [PLATE, PRIVATE] {
+        /// Share of the whole residual below which a part may be nothing.
+        const SMALL: f64 = 0.05;
+        let is_small = |part: f64, scale: f64| part > 0.0 && part < SMALL * scale;
+        let s = *sizes;
+        let parts: [(bool, fn(&mut Sizes)); 3] = [
+            (is_small(s.plate, self.relative), |s| s.plate = 0.0),
+            (is_small(s.private, self.relative), |s| s.private = 0.0),
+            (is_small(s.wander, self.absolute), |s| s.wander = 0.0),
+        ];
+        for (_, drop) in parts.into_iter().filter(|(small, _)| *small) {
             let mut without = *sizes;
-            match part {
-                PLATE => without.plate = 0.0,
-                _ => without.private = 0.0,
-            }
-            let small = match part {
-                PLATE => sizes.plate,
-                _ => sizes.private,
-            } < 0.05 * self.relative;
-            if small && criterion.value(&without, spacing) < value + 0.02 {
+            drop(&mut without);
+            if criterion.value(&without, spacing) < value + 0.02 {
                 *sizes = without;
             }
         }

@@ -1,9 +1,10 @@
-//! Roughness that a further number describes better than an exponential one of one length: smoother, or with a length of its own for the plate.
+//! Noise that further numbers describe better than an exponential roughness of one length beside a white sensor: a force channel that wanders,
+//! roughness that is smoother, or a length of its own for that of the plate.
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::estimate::{COARSE, Frame, LENGTH, MORE, More, PLATE, PRIVATE, Search};
+use super::estimate::{COARSE, Frame, LENGTH, More, PLATE, PRIVATE, SENSOR, Search};
 use super::restricted::Criterion;
 use super::search::Minimum;
 
@@ -36,6 +37,18 @@ const WORTH_SECOND_LENGTH: f64 = 6.0;
 /// The same of one length that is longer than roughness mostly is.
 const WORTH_LONGER: f64 = 2.0;
 
+/// Times over which a force channel may wander, in its shortest, that are tried; and the size that is tried, as a share of the sensor's: so small
+/// that -2 log likelihood changes as its slope says, for which all other sizes may stay.
+const WANDER_TIMES: [f64; 4] = [2.0, 6.0, 20.0, 60.0];
+const WANDER_SHARE: f64 = 0.25;
+/// Sizes from which searches begin, as shares of the sensor's noise: one beside the roughness as it is, and a slow one in the stead of roughness
+/// that has come to be long for want of a wander, with the share of its length that is left.
+const WANDER_BEGUN: f64 = 0.6;
+const WANDER_IN_STEAD: f64 = 1.2;
+const LENGTH_LEFT: f64 = 0.2;
+/// -2 log likelihood that a wander must save.
+const WORTH_WANDER: f64 = 10.0;
+
 /// Places of the plate at which a step is looked for.
 const PLACES: usize = 60;
 
@@ -47,6 +60,55 @@ pub(super) struct Further {
 }
 
 impl Frame {
+    /// A force channel that wanders, where that is likelier than `still`.
+    pub(super) fn wandering(
+        &self,
+        criterion: &Criterion<'_>,
+        still: &Minimum,
+        evaluations: &mut usize,
+    ) -> Option<Further> {
+        let (shortest, longest) = self.wander_times_s;
+        if self.wanders() || !(longest > shortest) {
+            return None;
+        }
+        let frame = self.clone().wandering_if(true);
+        let with_wander = |share: f64, time_s: f64| {
+            let mut point = still.point.clone();
+            let wander = [point[SENSOR] + share.ln(), time_s.ln()];
+            point.splice(self.more()..self.more(), wander);
+            point
+        };
+        let spacing = COARSE * self.sizes(&still.point).node_spacing();
+        let on_grid = |frame: &Self, point: &[f64]| criterion.value(&frame.sizes(point), spacing);
+        let without = on_grid(self, &still.point);
+        let times = WANDER_TIMES.map(|times| times * shortest);
+        let probed: Vec<(f64, f64)> = (times.into_par_iter())
+            .filter(|time_s| *time_s < longest)
+            .map(|time_s| (on_grid(&frame, &with_wander(WANDER_SHARE, time_s)), time_s))
+            .collect();
+        *evaluations += probed.len() + 1;
+        let likeliest = probed.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        let (_, time_s) = likeliest.filter(|(value, _)| *value < without)?;
+        let mut in_stead = with_wander(WANDER_IN_STEAD, (times[3]).min(0.5 * longest));
+        in_stead[LENGTH] += LENGTH_LEFT.ln();
+        let starts = [with_wander(WANDER_BEGUN, time_s), in_stead];
+        let near = starts.map(|start| frame.near(criterion, &start, spacing));
+        *evaluations += near.iter().map(|found| found.evaluations).sum::<usize>();
+        let likelier = (near.into_iter()).min_by(|a, b| a.value.total_cmp(&b.value))?;
+        let (minimum, saved) = frame.worth_more(
+            criterion,
+            (self, still),
+            &likelier.point,
+            WORTH_WANDER,
+            evaluations,
+        )?;
+        Some(Further {
+            frame,
+            minimum,
+            saved,
+        })
+    }
+
     /// Roughness that is smoother than exponential, where that is likelier than `plain`. Unless the search is thorough a smoothing
     /// counts only if it is seen at once.
     ///
@@ -187,7 +249,7 @@ impl Frame {
         }
         // Over short ways roughness does what rho l^2 says.
         let mut start = alike.point.clone();
-        start[MORE] = APART.ln();
+        start[self.more()] = APART.ln();
         start[LENGTH] += 0.5 * (smoothing / APART).ln();
         let coarse = COARSE * self.sizes(&alike.point).node_spacing();
         let apart = self.near(criterion, &start, coarse);

@@ -155,13 +155,14 @@ struct Seen {
     weights: Vec<f64>,
 }
 
-/// The state of the filter along a run as a function of one node: private roughness, field between the nodes, driver, white noise and
-/// the states of its colour.
+/// The state of the filter along a run as a function of one node: private roughness, field between the nodes, driver, wander, white noise
+/// and the states of its colour.
 #[derive(Clone, Copy)]
 struct Sent<const N: usize> {
     u: f64,
     w: f64,
     v: f64,
+    a: f64,
     e: f64,
     noise: [f64; N],
 }
@@ -172,6 +173,7 @@ impl<const N: usize> Default for Sent<N> {
             u: 0.0,
             w: 0.0,
             v: 0.0,
+            a: 0.0,
             e: 0.0,
             noise: [0.0; N],
         }
@@ -181,7 +183,8 @@ impl<const N: usize> Default for Sent<N> {
 impl<const N: usize> Sent<N> {
     /// Whether nothing is left of the node where the force is f. (e is in the noise's states by then.)
     fn is_forgotten(&self, f: f64) -> bool {
-        let noise: f64 = self.noise.iter().map(|s| (s / f).abs()).sum();
+        let noise = self.noise.iter().chain([&self.a]).filter(|s| **s != 0.0);
+        let noise: f64 = noise.map(|s| (s / f).abs()).sum();
         self.u.abs() + self.w.abs() + self.v.abs() + noise < FORGOTTEN
     }
 }
@@ -226,11 +229,20 @@ impl Rows {
                 let ends = (seen.first, seen.first + seen.weights.len());
                 let decay = along.decay[i];
                 let driver = along.driver(i);
-                let coloured = along.coloured(i);
-                for Sent { u, w, v, e, noise } in &mut state[lo..hi] {
+                let (coloured, wander) = (along.coloured(i), along.wander(i));
+                for Sent {
+                    u,
+                    w,
+                    v,
+                    a,
+                    e,
+                    noise,
+                } in &mut state[lo..hi]
+                {
                     *u = *u * decay[0] + driver.feed * *v;
                     *w *= decay[1];
                     *v *= driver.decay;
+                    *a *= wander.decay;
                     coloured.advance(noise, *e);
                 }
                 let (f, along_scale) = (context.scale[i], along.scale[i]);
@@ -261,11 +273,12 @@ impl Rows {
                     let direct = j.checked_sub(seen.first).and_then(|k| seen.weights.get(k));
                     let direct = direct.map_or(0.0, |w| f * w);
                     let noise = state.noise.first().copied().unwrap_or_default();
-                    let innovation = direct - along_scale * (state.u + state.w) - noise;
+                    let innovation = direct - along_scale * (state.u + state.w) - state.a - noise;
                     state.e = coloured.update(&mut state.noise, innovation);
                     state.u += gain[0] * innovation;
                     state.w += gain[1] * innovation;
                     state.v += driver.gain * innovation;
+                    state.a += wander.gain * innovation;
                     rows.values.push(innovation * weight);
                 }
                 rows.first.push(lo);

@@ -17,6 +17,7 @@ fn ramps(samples: usize, pairs: usize) -> Context {
     let mut context = Context {
         conditions: Vec::new(),
         runs: Vec::new(),
+        steps_s: Vec::new(),
         sliding: Vec::new(),
         place: Vec::new(),
         scale: Vec::new(),
@@ -29,6 +30,7 @@ fn ramps(samples: usize, pairs: usize) -> Context {
             let t = i as f64 / samples as f64;
             let s = 0.1 * t * t;
             let force = 1.8 * (1.0 - (-20.0 * t).exp());
+            context.steps_s.push(if i == 0 { 0.0 } else { 0.01 });
             context.sliding.push(s);
             context.place.push(if k % 2 == 0 { s } else { 0.1 - s });
             context
@@ -68,8 +70,12 @@ fn dense(context: &Context, sizes: &Sizes) -> DMatrix<f64> {
             let private = near(s[i], s[j], sizes.length, sizes.smoothing);
             relative += sizes.private.powi(2) * private + sizes.scatter.powi(2);
         }
-        let white = if i == j { sizes.sensor.powi(2) } else { 0.0 };
-        context.scale[i] * context.scale[j] * relative + white
+        let mut additive = if i == j { sizes.sensor.powi(2) } else { 0.0 };
+        if owner[i] == owner[j] {
+            let apart_s: f64 = context.steps_s[i.min(j) + 1..=i.max(j)].iter().sum();
+            additive += sizes.wander.powi(2) * (-apart_s / sizes.wander_time_s).exp();
+        }
+        context.scale[i] * context.scale[j] * relative + additive
     })
 }
 
@@ -78,10 +84,8 @@ const SIZES: Sizes = Sizes {
     private: 5.6e-3,
     plate: 5.6e-3,
     length: 1.5e-3,
-    smoothing: 0.0,
-    plate_ratio: 1.0,
-    plate_smoothing: 0.0,
     scatter: 0.01,
+    ..Sizes::NONE
 };
 
 fn draw(context: &Context, sizes: &Sizes, seed: u64) -> DVector<f64> {
@@ -96,6 +100,13 @@ fn draw(context: &Context, sizes: &Sizes, seed: u64) -> DVector<f64> {
 /// Roughness that has passed a filter.
 const SMOOTH: Sizes = Sizes {
     smoothing: 0.7,
+    ..SIZES
+};
+
+/// Exponential roughness in a record whose force channel wanders, over twelve samples.
+const WANDERING: Sizes = Sizes {
+    wander: 4e-3,
+    wander_time_s: 0.12,
     ..SIZES
 };
 

@@ -8,7 +8,11 @@ use super::*;
 #[test]
 fn filter_and_scatter_equal_the_dense_covariance() {
     let context = ramps(60, 2);
-    for sizes in [SIZES, SMOOTH] {
+    let smooth_and_wandering = Sizes {
+        smoothing: SMOOTH.smoothing,
+        ..WANDERING
+    };
+    for sizes in [SIZES, SMOOTH, WANDERING, smooth_and_wandering] {
         let sizes = Sizes {
             plate: 0.0,
             ..sizes
@@ -22,6 +26,9 @@ fn filter_and_scatter_equal_the_dense_covariance() {
         assert!((exact - ours).abs() < 1e-8 * exact, "{exact} {ours}");
         let log_det: f64 = 2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>();
         assert!((log_det - whitener.log_det()).abs() < 1e-7 * log_det.abs());
+        let (x, y) = (draw(&context, &sizes, 2), whitener.whiten(&r));
+        let other = whitener.whiten_transposed(&x).dot(&r);
+        assert!((x.dot(&y) - other).abs() < 1e-9 * other.abs());
     }
 }
 

@@ -41,6 +41,26 @@ fn smooth_roughness_is_told_from_exponential_roughness() {
     }
 }
 
+/// A force channel that wanders is told from one that does not, whether the rig slides or stands, and its sizes come back.
+#[test]
+fn a_wander_is_told_from_white_noise() {
+    let context = ramps(240, 3);
+    let [still, wandering] = [SIZES, WANDERING].map(|sizes| estimates(&context, &sizes, 80));
+    let seen = |all: &[Sizes]| all.iter().filter(|s| s.wander > 0.0).count();
+    assert!(seen(&still) <= 1, "{still:?}");
+    assert_eq!(seen(&wandering), 8, "{wandering:?}");
+    // 1440 samples over twelve each: the size is known to some 6 % of each field, the time to 25 %.
+    let mean = |of: fn(&Sizes) -> f64| wandering.iter().map(of).sum::<f64>() / 8.0;
+    let (size, time) = (mean(|s| s.wander.ln()), mean(|s| s.wander_time_s.ln()));
+    assert!((size - WANDERING.wander.ln()).abs() < 0.1, "{wandering:?}");
+    assert!(
+        (time - WANDERING.wander_time_s.ln()).abs() < 0.25,
+        "{wandering:?}"
+    );
+    let private = mean(|s| s.private.ln());
+    assert!((private - SIZES.private.ln()).abs() < 0.15, "{wandering:?}");
+}
+
 /// A plate whose roughness is longer than that of the runs is told from one where both are alike.
 #[test]
 fn a_length_of_the_plates_own_is_told_from_one_for_both() {

@@ -64,6 +64,7 @@ impl From<Kept> for Spread {
                 plate_ratio: kept.plate_ratio,
                 plate_smoothing: kept.plate_smoothing,
                 scatter: kept.scatter,
+                ..Sizes::NONE
             },
             scatters: kept.scatters,
         }
@@ -84,10 +85,8 @@ mod tests {
                 private: 2e-3,
                 plate: 3e-3,
                 length: 4e-3,
-                smoothing: 0.0,
-                plate_ratio: 1.0,
-                plate_smoothing: 0.0,
                 scatter: 5e-3,
+                ..Sizes::NONE
             },
             scatters: vec![(0.0, 0.25), (0.1, 0.75)],
         };
