@@ -188,6 +188,18 @@ fn noise_of_an_encoder_is_no_cause() {
     assert_none(&complaints(&trials, &[Verdict::Right]));
 }
 
+/// Nor is an amplifier whose zero wanders by twice the sensor's noise, over a fifth of a second.
+#[test]
+fn a_wandering_amplifier_is_no_cause() {
+    let healthy = [
+        Protocol::Rich,
+        Protocol::PaperBlocked,
+        Protocol::PaperAlternating,
+    ];
+    let trials = beside_channel_noise(NoiseKind::Amplifier, SEED + 660, healthy, "wear");
+    assert_none(&complaints(&trials, &[Verdict::Right]));
+}
+
 /// Nothing planted on these protocols, and one cause of five thresholds on a rich day, with a channel that has noise.
 fn beside_channel_noise(
     noise: NoiseKind,

@@ -64,6 +64,8 @@ pub enum NoiseKind {
     LoadCell,
     /// As usual; the velocity channel has noise.
     Encoder,
+    /// As usual; the amplifier's zero wanders by twice the sensor's noise.
+    Amplifier,
     /// None at all, for comparisons of simulators.
     None,
 }
@@ -91,6 +93,7 @@ impl NoiseKind {
             Self::SmoothRoughness => "smooth-roughness",
             Self::LoadCell => "load-cell",
             Self::Encoder => "encoder",
+            Self::Amplifier => "amplifier",
             Self::None => "none",
         }
     }
@@ -104,10 +107,7 @@ impl NoiseKind {
             plate_share: 0.5,
             sensor_n: accuracy_percent / 100.0 * full_scale_n,
             scatter: 0.01,
-            load_cell: 0.0,
-            encoder: 0.0,
-            tails: Tails::Normal,
-            grain: Grain::Rough,
+            ..Noise::NONE
         };
         match self {
             Self::Usual => usual,
@@ -141,6 +141,10 @@ impl NoiseKind {
             },
             Self::Encoder => Noise {
                 encoder: 0.001,
+                ..usual
+            },
+            Self::Amplifier => Noise {
+                wander_n: 2.0 * usual.sensor_n,
                 ..usual
             },
             Self::None => Noise {

@@ -199,6 +199,7 @@ fn record_run(
     };
     let mut recording = integrate(&mut contact, plan, history);
     bend_after(rig, run, history);
+    wander(noise, &mut recording, seed, purpose + 8);
     spoil_reading(rig, noise, &mut recording.force_n, seed, purpose + 5);
     recording.load_n = read_load(run, noise, recording.time_s.len(), seed, purpose + 6);
     recording
@@ -443,6 +444,23 @@ fn amplified(contact: &Contact<'_>, time_s: f64) -> f64 {
         }
     }
     amplified
+}
+
+/// Adds what the amplifier's zero wanders by: drawn back to nothing at a steady rate, and pushed at random all the while.
+fn wander(noise: &Noise, recording: &mut Recording, seed: u64, purpose: u64) {
+    if noise.wander_n == 0.0 {
+        return;
+    }
+    let mut generator = stream(seed, purpose);
+    let mut push = |size: f64| size * Tails::Normal.draw(&mut generator);
+    let mut zero_n = push(noise.wander_n);
+    let mut before_s = recording.time_s.first().copied().unwrap_or_default();
+    for (force, &time_s) in recording.force_n.iter_mut().zip(&recording.time_s) {
+        let left = (-(time_s - before_s) / noise.wander_s).exp();
+        zero_n = left * zero_n + push(noise.wander_n * (1.0 - left * left).sqrt());
+        before_s = time_s;
+        *force += zero_n;
+    }
 }
 
 /// What the electronics do to the reading: gain, noise, clipping, rounding.

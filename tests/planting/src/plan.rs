@@ -68,6 +68,10 @@ pub struct Noise {
     pub plate_share: f64,
     /// Standard deviation of the sensor's white noise, N.
     pub sensor_n: f64,
+    /// Standard deviation of what the amplifier's zero wanders by while it measures, N.
+    pub wander_n: f64,
+    /// Time over which that is correlated (to 1/e), s.
+    pub wander_s: f64,
     /// Standard deviation of the factor by which friction differs from run to run.
     pub scatter: f64,
     /// Standard deviation of the white noise of the cell that records the load, as a share of the load; zero: no load is recorded.
@@ -87,6 +91,8 @@ impl Noise {
         correlation_m: 1.5e-3,
         plate_share: 0.5,
         sensor_n: 0.0,
+        wander_n: 0.0,
+        wander_s: 0.2,
         scatter: 0.0,
         load_cell: 0.0,
         encoder: 0.0,

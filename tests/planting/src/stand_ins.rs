@@ -10,7 +10,6 @@ use crate::motion::Motion;
 use crate::package::{Label, files};
 use crate::plan::{Axis, Noise, Plan, RunPlan};
 use crate::published::Published;
-use crate::roughness::{Grain, Tails};
 use serde::Deserialize;
 use std::path::Path;
 
@@ -173,10 +172,7 @@ impl Recipe {
             sensor_n: self.published.number("rig.sensor_accuracy")? / 100.0
                 * self.choices.noise.sensor_full_scale_n,
             scatter: self.choices.noise.scatter_percent / 100.0,
-            load_cell: 0.0,
-            encoder: 0.0,
-            tails: Tails::Normal,
-            grain: Grain::Rough,
+            ..Noise::NONE
         })
     }
 

@@ -112,6 +112,8 @@ impl Oracle {
         let context = context(&plan, &recordings);
         let sizes = Sizes {
             sensor: noise.sensor_n,
+            wander: noise.wander_n,
+            wander_time_s: noise.wander_s,
             private: noise.roughness * (1.0 - noise.plate_share).sqrt(),
             plate: noise.roughness * noise.plate_share.sqrt(),
             length: noise.correlation_m,
@@ -362,8 +364,8 @@ fn law_derivatives(rig: &Rig, plan: &Plan, clean: &[f64]) -> DMatrix<f64> {
 
 /// Sliding, place and friction of every sample, as the noise sees them.
 fn context(plan: &Plan, recordings: &[Recording]) -> Context {
-    let (mut runs, mut sliding, mut place, mut scale) =
-        (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let (mut runs, mut steps_s, mut sliding) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut place, mut scale) = (Vec::new(), Vec::new());
     for recording in recordings {
         let first = sliding.len();
         let mut slid = 0.0;
@@ -371,6 +373,8 @@ fn context(plan: &Plan, recordings: &[Recording]) -> Context {
             if i > 0 {
                 slid += (recording.position_m[i] - recording.position_m[i - 1]).abs();
             }
+            let before = i.saturating_sub(1);
+            steps_s.push(recording.time_s[i] - recording.time_s[before]);
             sliding.push(slid);
             place.push(recording.position_m[i]);
             let inertia = plan.moving_mass_kg.unwrap_or(0.0) * slope(recording, i);
@@ -380,7 +384,7 @@ fn context(plan: &Plan, recordings: &[Recording]) -> Context {
     }
     Context {
         conditions: Vec::new(),
-        steps_s: Vec::new(),
+        steps_s,
         channel: Arc::default(),
         rows: Vec::new(),
         runs,

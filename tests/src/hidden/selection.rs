@@ -123,6 +123,7 @@ pub fn trials(season: Season) -> Vec<Trial> {
     several(&mut builder);
     strangers(&mut builder);
     smooth_plates(&mut builder);
+    wandering_amplifiers(&mut builder);
     let mut trials = builder.trials;
     // Fisher-Yates with a fixed stream: every beginning of the list is a fair sample of the whole.
     let mut generator = stream(season.first_seed(), 77);
@@ -265,6 +266,18 @@ fn smooth_plates(builder: &mut Builder) {
         for protocol in Protocol::ALL {
             if protocol.is_brush() {
                 let case = Case::nothing(protocol, NoiseKind::SmoothRoughness, replicate);
+                builder.add(Group::Nothing, case, 0.0, None);
+            }
+        }
+    }
+}
+
+/// Nothing where the force channel's zero wanders while it measures.
+fn wandering_amplifiers(builder: &mut Builder) {
+    for replicate in 0..28 {
+        for protocol in Protocol::ALL {
+            if protocol.is_brush() {
+                let case = Case::nothing(protocol, NoiseKind::Amplifier, replicate);
                 builder.add(Group::Nothing, case, 0.0, None);
             }
         }
