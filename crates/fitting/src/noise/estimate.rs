@@ -114,7 +114,9 @@ pub fn estimate(
         minimum = shared;
     }
     if options.smooth && context.rows.is_empty() {
-        if let Some(wandering) = frame.wandering(&criterion, &minimum, &mut evaluations) {
+        if let Some(wandering) =
+            frame.wandering(&criterion, &minimum, options.search, &mut evaluations)
+        {
             (frame, minimum) = (wandering.frame, wandering.minimum);
         }
     }

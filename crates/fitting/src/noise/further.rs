@@ -60,11 +60,12 @@ pub(super) struct Further {
 }
 
 impl Frame {
-    /// A force channel that wanders, where that is likelier than `still`.
+    /// A force channel that wanders, where that is likelier than `still`; what grids coarse for a plate tell as well as fine ones.
     pub(super) fn wandering(
         &self,
         criterion: &Criterion<'_>,
         still: &Minimum,
+        search: Search,
         evaluations: &mut usize,
     ) -> Option<Further> {
         let (shortest, longest) = self.wander_times_s;
@@ -94,14 +95,19 @@ impl Frame {
         let starts = [with_wander(WANDER_BEGUN, time_s), in_stead];
         let near = starts.map(|start| frame.near(criterion, &start, spacing));
         *evaluations += near.iter().map(|found| found.evaluations).sum::<usize>();
-        let likelier = (near.into_iter()).min_by(|a, b| a.value.total_cmp(&b.value))?;
-        let (minimum, saved) = frame.worth_more(
-            criterion,
-            (self, still),
-            &likelier.point,
-            WORTH_WANDER,
-            evaluations,
-        )?;
+        let near = (near.into_iter()).min_by(|a, b| a.value.total_cmp(&b.value))?;
+        let as_still = self.near(criterion, &still.point, spacing);
+        *evaluations += as_still.evaluations;
+        let saved = as_still.value - near.value;
+        if saved < WORTH_WANDER {
+            return None;
+        }
+        let minimum = if search == Search::Near {
+            near
+        } else {
+            let again = Search::Again(frame.sizes(&near.point));
+            frame.search(criterion, near.point, again, evaluations)
+        };
         Some(Further {
             frame,
             minimum,
