@@ -113,12 +113,11 @@ pub fn estimate(
     if let Some(shared) = frame.shared_out(&criterion, &minimum, &mut evaluations) {
         minimum = shared;
     }
-    if options.smooth && context.rows.is_empty() {
-        if let Some(wandering) =
-            frame.wandering(&criterion, &minimum, options.search, &mut evaluations)
-        {
-            (frame, minimum) = (wandering.frame, wandering.minimum);
-        }
+    if options.smooth
+        && context.rows.is_empty()
+        && let Some(found) = frame.wandering(&criterion, &minimum, options.search, &mut evaluations)
+    {
+        (frame, minimum) = (found.frame, found.minimum);
     }
     // What rows are the means of is known of exponential roughness only.
     let exponential = frame.is_exponential(&minimum.point) && options.search != Search::Near;
@@ -153,8 +152,8 @@ pub fn estimate(
     } else {
         Vec::new()
     };
-    let mut sizes = frame.sizes(&minimum.point);
-    frame.drop_invisible(&criterion, &mut sizes, spacing, minimum.value);
+    let sizes = frame.sizes(&minimum.point);
+    let mut sizes = frame.without_invisible(&criterion, sizes, spacing, minimum.value);
     if !options.repeats {
         sizes.sensor = sizes.sensor.max(options.stated_sensor.unwrap_or(0.0));
     }
@@ -554,28 +553,35 @@ impl Frame {
     }
 
     /// A part without which the data are as likely is zero, and exactly so.
-    fn drop_invisible(
+    fn without_invisible(
         &self,
         criterion: &Criterion<'_>,
-        sizes: &mut Sizes,
+        sizes: Sizes,
         spacing: f64,
         value: f64,
-    ) {
+    ) -> Sizes {
         /// Share of the whole residual below which a part may be nothing.
         const SMALL: f64 = 0.05;
         let is_small = |part: f64, scale: f64| part > 0.0 && part < SMALL * scale;
-        let s = *sizes;
-        let parts: [(bool, fn(&mut Sizes)); 3] = [
-            (is_small(s.plate, self.relative), |s| s.plate = 0.0),
-            (is_small(s.private, self.relative), |s| s.private = 0.0),
-            (is_small(s.wander, self.absolute), |s| s.wander = 0.0),
-        ];
-        for (_, drop) in parts.into_iter().filter(|(small, _)| *small) {
-            let mut without = *sizes;
-            drop(&mut without);
-            if criterion.value(&without, spacing) < value + 0.02 {
-                *sizes = without;
+        let mut kept = sizes;
+        let mut drop = |small: bool, drop: fn(Sizes) -> Sizes| {
+            let without = drop(kept);
+            if small && criterion.value(&without, spacing) < value + 0.02 {
+                kept = without;
             }
-        }
+        };
+        drop(is_small(sizes.plate, self.relative), |s| Sizes {
+            plate: 0.0,
+            ..s
+        });
+        drop(is_small(sizes.private, self.relative), |s| Sizes {
+            private: 0.0,
+            ..s
+        });
+        drop(is_small(sizes.wander, self.absolute), |s| Sizes {
+            wander: 0.0,
+            ..s
+        });
+        kept
     }
 }
