@@ -35,6 +35,8 @@ pub(crate) struct Bench<'a> {
     pub(crate) masked: Vec<bool>,
     /// Step of the force channel, N, where all forces are multiples of one.
     pub(crate) step_n: Option<f64>,
+    /// Whether the force channel may wander.
+    pub(crate) may_wander: bool,
     /// Recorded positions against recorded speeds.
     pub(crate) ways: Ways,
     /// See [`Bench::redrawn`].
@@ -484,6 +486,7 @@ impl<'a> Bench<'a> {
                 search,
                 uncertainty: false,
                 smooth,
+                wanders: self.may_wander,
             },
         )
     }

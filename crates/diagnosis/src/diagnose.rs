@@ -6,7 +6,7 @@ use rig::{Experiment, ModelFile};
 
 use crate::answer::{Diagnosis, Undecidable};
 use crate::bench::{Bench, Fitted};
-use crate::chords::select_with_motions;
+
 use crate::condense::{Condensed, condense};
 use crate::curves::{Curves, curves};
 use crate::equivalence::Contest;
@@ -22,6 +22,7 @@ use crate::settled::law_alone;
 use crate::subset::Subset;
 use crate::ties;
 use crate::verdict::Verdict;
+use crate::wander::select_with_noise;
 use crate::whole::{Whole, of_all_samples};
 
 /// Selections on a condensed record after the first, each with the rows' errors at what the last one named.
@@ -111,7 +112,7 @@ pub fn diagnose_fully(
     let mut straight = None;
     let selected = match (&condensed, &mut short) {
         (Some(rows), Some(short)) => select_on_rows(&recorded, rows, short),
-        _ => select_with_motions(&recorded).map(|chosen| {
+        _ => select_with_noise(&mut recorded).map(|chosen| {
             straight = chosen.straight;
             chosen.selected
         }),

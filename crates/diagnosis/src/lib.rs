@@ -74,6 +74,7 @@ mod ties;
 mod uniform;
 mod valleys;
 mod verdict;
+mod wander;
 mod ways;
 mod weighed;
 mod whole;

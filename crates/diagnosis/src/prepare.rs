@@ -75,6 +75,7 @@ pub(crate) fn bench<'a>(
         campaign,
         samples,
         ways: Ways::of(&experiment),
+        may_wander: true,
         redrawn: OnceLock::new(),
         told: options.told,
         experiment,

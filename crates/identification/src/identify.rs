@@ -303,6 +303,7 @@ pub(crate) fn noise_options(campaign: &Campaign) -> EstimateOptions {
         search: Search::Scratch,
         uncertainty: false,
         smooth: false,
+        wanders: false,
     }
 }
 

@@ -25,9 +25,11 @@ pub struct EstimateOptions {
     pub search: Search,
     /// Whether the standard deviations of the sizes are wanted (they cost some thirty evaluations).
     pub uncertainty: bool,
-    /// Whether the roughness may be smoother than exponential, or that of the plate have a length of its own, and whether the force channel may
-    /// wander. Where nothing else is asked what a law leaves, such noise also swallows structure that the law misses.
+    /// Whether the roughness may be smoother than exponential, or that of the plate have a length of its own. Where nothing else is asked
+    /// what a law leaves, such roughness also swallows structure that the law misses.
     pub smooth: bool,
+    /// Whether the force channel may wander.
+    pub wanders: bool,
 }
 
 /// Where the search for the sizes begins and how far it goes.
@@ -113,7 +115,7 @@ pub fn estimate(
     if let Some(shared) = frame.shared_out(&criterion, &minimum, &mut evaluations) {
         minimum = shared;
     }
-    if options.smooth
+    if options.wanders
         && context.rows.is_empty()
         && let Some(found) = frame.wandering(&criterion, &minimum, options.search, &mut evaluations)
     {
@@ -309,7 +311,7 @@ impl Frame {
             (0.0, 0.0),
             (SMOOTHINGS.0.ln(), SMOOTHINGS.1.ln()),
         ];
-        let wanders = options.search.start().is_some_and(|s| s.wander > 0.0);
+        let wanders = options.wanders && options.search.start().is_some_and(|s| s.wander > 0.0);
         let own_length = options.search.start().map_or(1.0, |s| s.plate_ratio) != 1.0;
         Self {
             bounds,

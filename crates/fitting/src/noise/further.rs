@@ -1,7 +1,6 @@
 //! Noise that further numbers describe better than an exponential roughness of one length beside a white sensor: a force channel that wanders,
 //! roughness that is smoother, or a length of its own for that of the plate.
 
-use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::estimate::{COARSE, Frame, LENGTH, More, PLATE, PRIVATE, SENSOR, Search};
@@ -60,7 +59,8 @@ pub(super) struct Further {
 }
 
 impl Frame {
-    /// A force channel that wanders, where that is likelier than `still`; what grids coarse for a plate tell as well as fine ones.
+    /// A force channel that wanders, where that is likelier than `still` with a level of its own for every run, for a zero that moves from run
+    /// to run is no wander; coarse grids of the plate tell it as well as fine ones.
     pub(super) fn wandering(
         &self,
         criterion: &Criterion<'_>,
@@ -80,7 +80,8 @@ impl Frame {
             point
         };
         let spacing = COARSE * self.sizes(&still.point).node_spacing();
-        let on_grid = |frame: &Self, point: &[f64]| criterion.value(&frame.sizes(point), spacing);
+        let levelled = criterion.with_levels();
+        let on_grid = |frame: &Self, point: &[f64]| levelled.value(&frame.sizes(point), spacing);
         let without = on_grid(self, &still.point);
         let times = WANDER_TIMES.map(|times| times * shortest);
         let probed: Vec<(f64, f64)> = (times.into_par_iter())
@@ -93,10 +94,10 @@ impl Frame {
         let mut in_stead = with_wander(WANDER_IN_STEAD, (times[3]).min(0.5 * longest));
         in_stead[LENGTH] += LENGTH_LEFT.ln();
         let starts = [with_wander(WANDER_BEGUN, time_s), in_stead];
-        let near = starts.map(|start| frame.near(criterion, &start, spacing));
+        let near = starts.map(|start| frame.near(&levelled, &start, spacing));
         *evaluations += near.iter().map(|found| found.evaluations).sum::<usize>();
         let near = (near.into_iter()).min_by(|a, b| a.value.total_cmp(&b.value))?;
-        let as_still = self.near(criterion, &still.point, spacing);
+        let as_still = self.near(&levelled, &still.point, spacing);
         *evaluations += as_still.evaluations;
         let saved = as_still.value - near.value;
         if saved < WORTH_WANDER {
@@ -351,16 +352,16 @@ impl Frame {
             return 0.0;
         };
         let likeliest = (0..scores.len()).max_by(|&a, &b| scores[a].total_cmp(&scores[b]));
-        let Some(step) = likeliest.map(|k| steps.column(k).into_owned()) else {
+        let Some(step) = likeliest.map(|k| steps.columns(k, 1).into_owned()) else {
             return 0.0;
         };
         // With the step in the mean the roughness is smaller: both change, and C of one mean is no measure for another (its
         // determinant is of other columns). So C falls by what the step takes from the squares at the new sizes, less what these cost without it.
-        let beside = criterion.with_column(&step);
+        let beside = criterion.with_columns(&step);
         let found = self.near(&beside, &one.point, spacing);
         *evaluations += found.evaluations + 3;
         let new = self.sizes(&found.point);
-        let taken = criterion.scores(&DMatrix::from_columns(&[step]), &new, spacing);
+        let taken = criterion.scores(&step, &new, spacing);
         let worse = criterion.value(&new, spacing) - criterion.value(&sizes, spacing);
         taken.map_or(0.0, |taken| taken[0] - worse - 2.0 * (PLACES as f64).ln())
     }

@@ -123,11 +123,11 @@ impl<'a> Criterion<'a> {
         (self.columns.column(p).norm_squared() / self.degrees_of_freedom().max(1) as f64).sqrt()
     }
 
-    /// The same with one more column in the mean.
-    pub(super) fn with_column(&self, column: &DVector<f64>) -> Self {
-        let p = self.columns.ncols() - 1;
-        let mut mean = self.columns.clone();
-        mean.set_column(p, column);
+    /// The same with further columns in the mean.
+    pub(super) fn with_columns(&self, further: &DMatrix<f64>) -> Self {
+        let (p, q) = (self.columns.ncols() - 1, further.ncols());
+        let mut mean = self.columns.clone().resize_horizontally(p + q, 0.0);
+        mean.columns_mut(p, q).copy_from(further);
         let residual = self.columns.column(p).into_owned();
         Self::new(self.context, &mean, !self.gains.runs.is_empty(), &residual)
     }
@@ -178,6 +178,13 @@ impl<'a> Criterion<'a> {
             each.map(|score| if score.is_finite() { score } else { 0.0 })
                 .collect(),
         )
+    }
+
+    /// The same with a level of its own for every run in the mean.
+    pub(super) fn with_levels(&self) -> Self {
+        let runs = &self.context.runs;
+        let level = |i: usize, k: usize| f64::from(u8::from(runs[k].contains(&i)));
+        self.with_columns(&DMatrix::from_fn(self.columns.nrows(), runs.len(), level))
     }
 
     /// Friction beyond places of the plate, evenly chosen, as columns.

@@ -10,6 +10,7 @@ fn estimated(context: &Context, residual: &DVector<f64>) -> Sizes {
     let options = EstimateOptions {
         repeats: true,
         smooth: true,
+        wanders: true,
         ..EstimateOptions::default()
     };
     estimate(context, residual, &mean, &none, &options).sizes
