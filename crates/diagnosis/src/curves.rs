@@ -39,7 +39,7 @@ pub(crate) fn curves(whole: &Whole<'_>, selected: &Selected) -> Curves {
         law: whole.stated.prediction.clone(),
         band: extended
             .iter()
-            .map(|f| 1.96 * (s.sensor * s.sensor + s.wander * s.wander + relative * f * f).sqrt())
+            .map(|f| 1.96 * (s.of_the_channel() + relative * f * f).sqrt())
             .collect(),
         extended,
     }

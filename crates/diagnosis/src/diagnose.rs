@@ -6,7 +6,6 @@ use rig::{Experiment, ModelFile};
 
 use crate::answer::{Diagnosis, Undecidable};
 use crate::bench::{Bench, Fitted};
-
 use crate::condense::{Condensed, condense};
 use crate::curves::{Curves, curves};
 use crate::equivalence::Contest;

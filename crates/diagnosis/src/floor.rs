@@ -86,7 +86,7 @@ pub(crate) fn modelled(bench: &Bench<'_>, prediction: &[f64], sizes: &Sizes) -> 
             } else {
                 1.0
             };
-            (sizes.sensor.powi(2) + sizes.wander.powi(2) + relative * f * f) / (unit * unit)
+            (sizes.of_the_channel() + relative * f * f) / (unit * unit)
         })
         .sum();
     (sum / prediction.len().max(1) as f64).sqrt()

@@ -3,6 +3,8 @@
 //! What a law misses is alike along a run, as a wander is, and noise that takes it up hides the half of it and lends a name to the rest. A channel
 //! that wanders leaves nothing beside the noise that knows it; where something is left all the same, all is asked again without.
 
+use fitting::noise::Sizes;
+
 use crate::bench::Bench;
 use crate::chords::{Chosen, select_with_motions};
 use crate::selection::{ALPHA_GENERAL, Selected};
@@ -23,10 +25,7 @@ pub(crate) fn select_with_noise<'a>(bench: &mut Bench<'a>) -> Option<Chosen<'a>>
 
 /// Whether something is left where the noise holds a wander, or held one beside the law alone: what came in beside it came in under its noise.
 fn is_in_doubt(selected: &Selected) -> bool {
-    let mut sizes = selected
-        .first
-        .sizes
-        .into_iter()
-        .chain([selected.stand.sizes]);
-    sizes.any(|s| s.wander > 0.0) && selected.left.log_p < ALPHA_GENERAL.ln()
+    let wanders = |sizes: Sizes| sizes.wander > 0.0;
+    let wandered = wanders(selected.stand.sizes) || selected.first.sizes.is_some_and(wanders);
+    wandered && selected.left.log_p < ALPHA_GENERAL.ln()
 }

@@ -72,7 +72,7 @@ pub fn prediction_band(
             let parameters = turned.row(i).dot(&jacobian.row(i));
             let within = (parameters - sizes.scatter.powi(2) * moved2).max(0.0)
                 + f2 * (sizes.private.powi(2) + sizes.plate.powi(2))
-                + sizes.sensor.powi(2);
+                + sizes.of_the_channel();
             let parts: Vec<(f64, f64)> = spread
                 .scatters
                 .iter()

@@ -208,8 +208,6 @@ impl Task<'_> {
         NoiseModel {
             sizes: Sizes {
                 sensor: (residual.norm_squared() / free as f64).sqrt(),
-                private: 0.0,
-                plate: 0.0,
                 length: self.experiment.scales.travel_m,
                 ..Sizes::NONE
             },

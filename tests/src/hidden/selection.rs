@@ -122,8 +122,9 @@ pub fn trials(season: Season) -> Vec<Trial> {
     singles(&mut builder);
     several(&mut builder);
     strangers(&mut builder);
-    smooth_plates(&mut builder);
-    wandering_amplifiers(&mut builder);
+    // Plates whose roughness has no corners, which no noise model here describes exactly; a force channel whose zero wanders while it measures.
+    nothing_on_brushes(&mut builder, NoiseKind::SmoothRoughness);
+    nothing_on_brushes(&mut builder, NoiseKind::Amplifier);
     let mut trials = builder.trials;
     // Fisher-Yates with a fixed stream: every beginning of the list is a fair sample of the whole.
     let mut generator = stream(season.first_seed(), 77);
@@ -260,24 +261,12 @@ fn strangers(builder: &mut Builder) {
     }
 }
 
-/// Nothing on plates whose roughness has no corners, which no noise model here describes exactly.
-fn smooth_plates(builder: &mut Builder) {
+/// Nothing on every protocol of brushes, with this noise.
+fn nothing_on_brushes(builder: &mut Builder, noise: NoiseKind) {
     for replicate in 0..28 {
         for protocol in Protocol::ALL {
             if protocol.is_brush() {
-                let case = Case::nothing(protocol, NoiseKind::SmoothRoughness, replicate);
-                builder.add(Group::Nothing, case, 0.0, None);
-            }
-        }
-    }
-}
-
-/// Nothing where the force channel's zero wanders while it measures.
-fn wandering_amplifiers(builder: &mut Builder) {
-    for replicate in 0..28 {
-        for protocol in Protocol::ALL {
-            if protocol.is_brush() {
-                let case = Case::nothing(protocol, NoiseKind::Amplifier, replicate);
+                let case = Case::nothing(protocol, noise, replicate);
                 builder.add(Group::Nothing, case, 0.0, None);
             }
         }

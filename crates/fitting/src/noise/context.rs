@@ -78,6 +78,11 @@ impl Sizes {
         scatter: 0.0,
     };
 
+    /// Variance of what the force channel adds, white or wandering, in the squared unit of the data.
+    pub fn of_the_channel(&self) -> f64 {
+        self.sensor.powi(2) + self.wander.powi(2)
+    }
+
     /// Correlation length of the plate's roughness, m (or rad).
     pub fn plate_length(&self) -> f64 {
         self.length * self.plate_ratio

@@ -216,7 +216,7 @@ fn gain_columns_limited(context: &Context) -> (DMatrix<f64>, Vec<usize>) {
 }
 
 /// Coordinates of the search: logarithms of sensor, private, plate, length; of wander and its time, where the force channel wanders; and,
-/// where the record asks for them, of a further number ([`Frame::more`]) and the smoothing of the plate's roughness.
+/// where the record asks for them, of a further number ([`Frame::further_place`]) and the smoothing of the plate's roughness.
 pub(super) const SENSOR: usize = 0;
 pub(super) const PRIVATE: usize = 1;
 pub(super) const PLATE: usize = 2;
@@ -254,7 +254,7 @@ const ON_BOUND: f64 = 0.05;
 pub(super) struct Frame {
     bounds: Vec<(f64, f64)>,
     /// Whether the force channel wanders.
-    wanders: bool,
+    pub(super) wanders: bool,
     /// Shortest and longest time over which it may, s.
     pub(super) wander_times_s: (f64, f64),
     more: More,
@@ -347,13 +347,8 @@ impl Frame {
         self
     }
 
-    /// Whether the force channel wanders.
-    pub(super) fn wanders(&self) -> bool {
-        self.wanders
-    }
-
-    /// The further coordinate.
-    pub(super) fn more(&self) -> usize {
+    /// Place of the further coordinate in a point.
+    pub(super) fn further_place(&self) -> usize {
         if self.wanders {
             WANDER_TIME + 1
         } else {
@@ -363,13 +358,13 @@ impl Frame {
 
     /// Whether a point has no further coordinate.
     fn is_exponential(&self, point: &[f64]) -> bool {
-        point.len() == self.more()
+        point.len() == self.further_place()
     }
 
     /// The same with another further coordinate.
     pub(super) fn with(mut self, more: More) -> Self {
         self.more = more;
-        let place = self.more();
+        let place = self.further_place();
         self.bounds[place] = match more {
             More::Smoothing => (SMOOTHINGS.0.ln(), SMOOTHINGS.1.ln()),
             More::PlateRatio => (-MOST_RATIO.ln(), MOST_RATIO.ln()),
@@ -379,7 +374,7 @@ impl Frame {
 
     /// Whether a point has one smoothing for both roughnesses.
     pub(super) fn is_smooth(&self, point: &[f64]) -> bool {
-        self.more == More::Smoothing && point.len() == self.more() + 1
+        self.more == More::Smoothing && point.len() == self.further_place() + 1
     }
 
     /// The same with longer roughness, where the record allows for it and `found` lies on the bound.
@@ -404,7 +399,7 @@ impl Frame {
     }
 
     pub(super) fn sizes(&self, x: &[f64]) -> Sizes {
-        let more = |kind: More| x.get(self.more()).filter(|_| self.more == kind);
+        let more = |kind: More| x.get(self.further_place()).filter(|_| self.more == kind);
         let wander = |k: usize| x.get(k).filter(|_| self.wanders).map(|w| w.exp());
         let length = x[LENGTH].exp();
         let ratio = more(More::PlateRatio).map_or(1.0, |s| s.exp());
@@ -418,7 +413,7 @@ impl Frame {
             length,
             smoothing: more(More::Smoothing).map_or(0.0, |s| s.exp()),
             plate_ratio: ratio.min(longest),
-            plate_smoothing: x.get(self.more() + 1).map_or(0.0, |s| s.exp()),
+            plate_smoothing: x.get(self.further_place() + 1).map_or(0.0, |s| s.exp()),
             scatter: 0.0,
         }
     }
@@ -496,7 +491,7 @@ impl Frame {
                 start.push(s.wander_time_s.ln().clamp(shortest, longest));
             }
             if self.more == More::PlateRatio {
-                let (least, most) = self.bounds[self.more()];
+                let (least, most) = self.bounds[self.further_place()];
                 start.push(s.plate_ratio.ln().clamp(least, most));
             } else if s.smoothing > 0.0 {
                 start.push(s.smoothing.ln());
@@ -566,21 +561,21 @@ impl Frame {
         const SMALL: f64 = 0.05;
         let is_small = |part: f64, scale: f64| part > 0.0 && part < SMALL * scale;
         let mut kept = sizes;
-        let mut drop = |small: bool, drop: fn(Sizes) -> Sizes| {
-            let without = drop(kept);
+        let mut try_without = |small: bool, drop_part: fn(Sizes) -> Sizes| {
+            let without = drop_part(kept);
             if small && criterion.value(&without, spacing) < value + 0.02 {
                 kept = without;
             }
         };
-        drop(is_small(sizes.plate, self.relative), |s| Sizes {
+        try_without(is_small(sizes.plate, self.relative), |s| Sizes {
             plate: 0.0,
             ..s
         });
-        drop(is_small(sizes.private, self.relative), |s| Sizes {
+        try_without(is_small(sizes.private, self.relative), |s| Sizes {
             private: 0.0,
             ..s
         });
-        drop(is_small(sizes.wander, self.absolute), |s| Sizes {
+        try_without(is_small(sizes.wander, self.absolute), |s| Sizes {
             wander: 0.0,
             ..s
         });

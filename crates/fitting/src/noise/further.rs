@@ -69,14 +69,14 @@ impl Frame {
         evaluations: &mut usize,
     ) -> Option<Further> {
         let (shortest, longest) = self.wander_times_s;
-        if self.wanders() || !(longest > shortest) {
+        if self.wanders || !(longest > shortest) {
             return None;
         }
         let frame = self.clone().wandering_if(true);
         let with_wander = |share: f64, time_s: f64| {
             let mut point = still.point.clone();
             let wander = [point[SENSOR] + share.ln(), time_s.ln()];
-            point.splice(self.more()..self.more(), wander);
+            point.splice(self.further_place()..self.further_place(), wander);
             point
         };
         let spacing = COARSE * self.sizes(&still.point).node_spacing();
@@ -91,7 +91,8 @@ impl Frame {
         *evaluations += probed.len() + 1;
         let likeliest = probed.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
         let (_, time_s) = likeliest.filter(|(value, _)| *value < without)?;
-        let mut in_stead = with_wander(WANDER_IN_STEAD, (times[3]).min(0.5 * longest));
+        let [.., slowest] = times;
+        let mut in_stead = with_wander(WANDER_IN_STEAD, slowest.min(0.5 * longest));
         in_stead[LENGTH] += LENGTH_LEFT.ln();
         let starts = [with_wander(WANDER_BEGUN, time_s), in_stead];
         let near = starts.map(|start| frame.near(&levelled, &start, spacing));
@@ -256,7 +257,7 @@ impl Frame {
         }
         // Over short ways roughness does what rho l^2 says.
         let mut start = alike.point.clone();
-        start[self.more()] = APART.ln();
+        start[self.further_place()] = APART.ln();
         start[LENGTH] += 0.5 * (smoothing / APART).ln();
         let coarse = COARSE * self.sizes(&alike.point).node_spacing();
         let apart = self.near(criterion, &start, coarse);
