@@ -8,7 +8,7 @@
 use rig::Experiment;
 
 use crate::bench::{Bench, Fitted};
-use crate::selection::{Depth, Selected, select, strict};
+use crate::selection::{Depth, Selected, Start, select, strict};
 use crate::stand::Stand;
 use crate::subset::Subset;
 
@@ -25,23 +25,28 @@ pub(crate) struct Chosen<'a> {
 
 /// The whole selection with the motions that the force prefers; `None` where the law itself cannot be computed.
 pub(crate) fn select_with_motions<'a>(bent: &Bench<'a>) -> Option<Chosen<'a>> {
-    let ask = |bench: &Bench<'_>| select(bench, &Subset::all(bench), Depth::Full, None);
+    let ask = |bench: &Bench<'_>, start: Start<'_>| {
+        select(bench, &Subset::all(bench), Depth::Full, start)
+    };
     let Some(chords) = bent.experiment.along_chords() else {
         return Some(Chosen {
-            selected: ask(bent)?,
+            selected: ask(bent, Start::Scratch)?,
             straight: None,
         });
     };
     let straight = bent.with_motions(chords);
-    let is_straight = begins_straight(bent, &straight);
-    let (first, second) = match is_straight {
-        true => (&straight, bent),
-        false => (bent, &straight),
+    let law = first_fit(bent)?;
+    let is_straight = nearer(&straight, &Subset::all(bent), &law);
+    let (selected, second) = match is_straight {
+        true => (ask(&straight, Start::Scratch)?, bent),
+        false => (ask(bent, Start::Law(&law.fitted))?, &straight),
     };
-    let selected = ask(first)?;
     let other = other_motions_suit(second, &selected).then(|| {
         bent.tell(|| "asking again with other motions between the samples".to_owned());
-        ask(second)
+        match is_straight {
+            true => ask(bent, Start::Law(&law.fitted)),
+            false => ask(&straight, Start::Scratch),
+        }
     });
     let likelier = (other.flatten()).filter(|other| worth(other) < worth(&selected));
     let is_straight = is_straight != likelier.is_some();
@@ -51,14 +56,11 @@ pub(crate) fn select_with_motions<'a>(bent: &Bench<'a>) -> Option<Chosen<'a>> {
     })
 }
 
-/// Whether a first fit of the law alone is plainly nearer along the chords.
-fn begins_straight(bent: &Bench<'_>, straight: &Bench<'_>) -> bool {
+/// The law alone under the noise that is assumed at first.
+fn first_fit(bent: &Bench<'_>) -> Option<Stand> {
     let (subset, sizes) = (Subset::all(bent), bent.first_sizes());
-    let law = bent.law_fit(&subset, &sizes, f64::INFINITY);
-    law.is_some_and(|law| {
-        let stand = Stand::new(bent, &subset, law, sizes);
-        nearer(straight, &subset, &stand)
-    })
+    let law = bent.law_fit(&subset, &sizes, f64::INFINITY)?;
+    Some(Stand::new(bent, &subset, law, sizes))
 }
 
 /// Whether the law, or what was named beside it, fits plainly better with the other motions.

@@ -16,7 +16,7 @@ use crate::integrity::inspect;
 use crate::laws;
 use crate::prepare::bench;
 use crate::rises::straighter_than_the_law;
-use crate::selection::{Depth, Selected, select};
+use crate::selection::{Depth, Selected, Start, select};
 use crate::settled::law_alone;
 use crate::subset::Subset;
 use crate::ties;
@@ -189,9 +189,9 @@ fn select_on_rows(
         let all = of_all_samples(recorded, fitted).prediction;
         short.allow_for(rows, fitted, &all)
     };
-    let law = law_alone(short, &subset, None)?.fitted;
+    let law = law_alone(short, &subset, Start::Scratch)?.fitted;
     allow(short, &law);
-    let mut selected = select(short, &subset, Depth::Full, None)?;
+    let mut selected = select(short, &subset, Depth::Full, Start::Scratch)?;
     for _ in 0..SECOND_LOOKS {
         let named = selected.stand.fitted.effects.clone();
         // Beside the law alone the rows were looked at first: what was found then has not stood.
@@ -199,7 +199,7 @@ fn select_on_rows(
             break;
         }
         let warm = selected.warm();
-        selected = select(short, &subset, Depth::Full, Some(&warm))?;
+        selected = select(short, &subset, Depth::Full, Start::Near(&warm))?;
         if selected.stand.fitted.effects == named {
             break;
         }

@@ -342,6 +342,7 @@ fn constant(u: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::prepare;
+    use crate::selection::Start;
     use crate::settled::law_alone;
     use crate::subset::Subset;
 
@@ -351,7 +352,7 @@ mod tests {
             .join("../../data/campaigns/brush-2x2-aluminium");
         let campaign = campaign::open(&folder).expect("a shipped campaign");
         let bench = prepare::bench(&campaign, &crate::Options::default()).expect("a bench");
-        let law = law_alone(&bench, &Subset::all(&bench), None).expect("the law fits");
+        let law = law_alone(&bench, &Subset::all(&bench), Start::Scratch).expect("the law fits");
         let place = |id: &str| {
             let mut causes = bench.catalogue.iter();
             causes.position(|c| c.id() == id && c.parameters().len() == 1)

@@ -1,5 +1,7 @@
 //! One fold: the selection done again without some runs, and what it says of them.
 
+use std::collections::BTreeSet;
+
 use nalgebra::DMatrix;
 
 use crate::bench::{Bench, Fitted};
@@ -10,7 +12,7 @@ use crate::look_back::bare;
 use crate::refusal::take_back;
 use crate::scan::is_shift;
 use crate::scrambled::placebos;
-use crate::selection::{Depth, Selected, Warm, select};
+use crate::selection::{Depth, Selected, Start, Warm, select};
 use crate::settled::{law_alone, likely_scatter};
 use crate::stand::Stand;
 use crate::subset::Subset;
@@ -72,7 +74,7 @@ pub(crate) fn fold(
     let subset = Subset::new(bench, kept).turning(warm.turns);
     if named.is_empty() {
         // Nothing is named, nothing is gained: only the law's own error is asked for.
-        let law = law_alone(bench, &subset, Some(warm))?.fitted;
+        let law = law_alone(bench, &subset, Start::Near(warm))?.fitted;
         let prediction = whole.prediction(&law);
         return Some(Fold {
             held: held.to_vec(),
@@ -88,7 +90,7 @@ pub(crate) fn fold(
             doubt: DMatrix::zeros(bench.samples.len(), 0),
         });
     }
-    let mut own = select(bench, &subset, Depth::Fold, Some(warm))?;
+    let mut own = select(bench, &subset, Depth::Fold, Start::Near(warm))?;
     own.stand = as_named(bench, &own.subset, own.stand, &warm.causes);
     let subset = &own.subset;
     let full = &own.stand.fitted;
@@ -123,7 +125,7 @@ pub(crate) fn fold(
     };
     let plain = named.iter().any(|cause| own.is_plain(cause));
     let instead = (own.is_plain(&full.effects)).then(|| instead(bench, whole, &own, warm, named));
-    let (again, firm, named) = match instead.filter(|_| keeps_names(bench, own)) {
+    let (again, firm, named) = match instead.filter(|_| keeps_names(bench, own, warm)) {
         Some(instead) => (plain, extended.clone(), instead),
         None => (false, bare.clone(), bare),
     };
@@ -142,8 +144,15 @@ pub(crate) fn fold(
     })
 }
 
-/// Whether what a fold has named would stay named, were it the whole campaign.
-fn keeps_names(bench: &Bench<'_>, mut own: Selected) -> bool {
+/// Whether what a fold has named would stay named, were it the whole campaign: the names that the whole campaign has kept do.
+fn keeps_names(bench: &Bench<'_>, mut own: Selected, warm: &Warm) -> bool {
+    let ids = |effects: &mut dyn Iterator<Item = usize>| -> BTreeSet<&str> {
+        effects.map(|cause| bench.catalogue[cause].id()).collect()
+    };
+    let named = ids(&mut warm.causes.iter().map(|(cause, _)| *cause));
+    if named == ids(&mut own.stand.fitted.effects.iter().copied()) {
+        return true;
+    }
     own.left = lack(bench, &own.subset, &own.stand);
     take_back(bench, &mut own);
     !own.stand.fitted.effects.is_empty()

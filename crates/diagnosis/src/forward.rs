@@ -10,7 +10,9 @@ use crate::look_back::{drop_idle, exchange_with_named, look_back};
 use crate::proposal::{Next, Proposal, Seen, cannot_matter};
 use crate::refusal::take_back;
 use crate::scan::{Scan, scan, scan_without};
-use crate::selection::{Depth, MOST_EFFECTS, SHAPE_TOLERANCE, Selected, Single, Warm, strict};
+use crate::selection::{
+    DULL, Depth, MOST_EFFECTS, SHAPE_TOLERANCE, Selected, Single, Warm, strict,
+};
 use crate::settled::{likely_scatter, settle};
 use crate::stand::Stand;
 use crate::subset::Subset;
@@ -122,11 +124,14 @@ impl<'a, 'b> Forward<'a, 'b> {
     fn seen_beside(&self, stand: &Stand) -> Scan {
         let candidates = &self.first.candidates;
         let best = candidates.first().map_or(0.0, |c| c.score.z());
-        let dull: Vec<usize> = candidates
+        let mut dull: Vec<usize> = candidates
             .iter()
-            .filter(|c| is_dear(self.bench, c.cause) && c.score.z() < 0.2 * best)
+            .filter(|c| is_dear(self.bench, c.cause) && c.score.z() < DULL * best)
             .map(|c| c.cause)
             .collect();
+        if let Some(warm) = self.warm.filter(|_| self.depth == Depth::Fold) {
+            dull.extend_from_slice(&warm.dull);
+        }
         let scatter = likely_scatter(stand);
         scan_without(self.bench, &self.subset, stand, scatter, &dull)
     }

@@ -59,8 +59,16 @@ impl Peaks {
         Self { found: Vec::new() }
     }
 
-    pub(crate) fn find(bench: &Bench<'_>, subset: &Subset, stand: &Stand, scatter: f64) -> Self {
+    /// Of all periodic causes but those that are skipped, or in the stand's model already.
+    pub(crate) fn find(
+        bench: &Bench<'_>,
+        subset: &Subset,
+        stand: &Stand,
+        scatter: f64,
+        skipped: &[usize],
+    ) -> Self {
         let causes: Vec<usize> = (0..bench.catalogue.len())
+            .filter(|c| !skipped.contains(c))
             .filter(|&c| {
                 let effect = &bench.catalogue[c];
                 effect.is_periodic() && !effect.refines() && !stand.fitted.names(bench, c)

@@ -38,8 +38,8 @@ pub(crate) enum Course {
 }
 
 /// Places to each side among which a course is sought, and shares of an extent that lie between them, round by round.
-const STEPS: i32 = 4;
-const STEP_SHARES: [f64; 2] = [0.125, 0.03];
+const STEPS: i32 = 2;
+const STEP_SHARES: [f64; 3] = [0.25, 0.1, 0.04];
 /// Share of what a mark explains from which on another one beside it belongs to it.
 const EDGE: f64 = 0.1;
 /// Width of a bell at half its height, in its deviations: sqrt(8 ln 2).
@@ -122,8 +122,9 @@ pub(crate) fn closely(
         let courses = Course::near(extent, round);
         tried += courses.len();
         let white = stand.whiten_own(&Course::columns(&courses, &samples.place, friction));
+        let free = ground.project(&white);
         let explained = (0..courses.len()).into_par_iter().filter_map(|j| {
-            let direction = ground.direction(&white.columns(j, 1).into_owned())?;
+            let direction = ground.along(free.column(j).into_owned(), white.column(j).norm())?;
             Some((ground.explained(&direction), courses[j]))
         });
         let explained: Vec<(f64, Course)> = explained.collect();

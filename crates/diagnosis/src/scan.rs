@@ -193,8 +193,7 @@ fn frequency(bench: &Bench<'_>, cause: usize, at: &[f64]) -> Option<f64> {
 
 /// Scans the catalogue beside a fitted model; causes in the model are left out.
 pub(crate) fn scan(bench: &Bench<'_>, subset: &Subset, stand: &Stand, scatter: f64) -> Scan {
-    let peaks = Peaks::find(bench, subset, stand, scatter);
-    scan_with(bench, subset, stand, &peaks, &[])
+    scan_without(bench, subset, stand, scatter, &[])
 }
 
 /// The same without some causes.
@@ -205,7 +204,7 @@ pub(crate) fn scan_without(
     scatter: f64,
     skipped: &[usize],
 ) -> Scan {
-    let peaks = Peaks::find(bench, subset, stand, scatter);
+    let peaks = Peaks::find(bench, subset, stand, scatter, skipped);
     scan_with(bench, subset, stand, &peaks, skipped)
 }
 
@@ -218,11 +217,11 @@ pub(crate) fn scan_period(
     cause: usize,
     at: &[f64],
 ) -> Scan {
-    let mut peaks = Peaks::find(bench, subset, stand, scatter);
+    let others: Vec<usize> = (0..bench.catalogue.len()).filter(|&c| c != cause).collect();
+    let mut peaks = Peaks::find(bench, subset, stand, scatter, &others);
     if let Some(frequency) = frequency(bench, cause, at) {
         peaks = peaks.with_neighbours(bench, cause, frequency);
     }
-    let others: Vec<usize> = (0..bench.catalogue.len()).filter(|&c| c != cause).collect();
     scan_with(bench, subset, stand, &peaks, &others)
 }
 
@@ -233,7 +232,7 @@ pub(crate) fn scan_nominal(
     stand: &Stand,
     scatter: f64,
 ) -> Scan {
-    let peaks = Peaks::find(bench, subset, stand, scatter).with_periods(bench, 20.0);
+    let peaks = Peaks::find(bench, subset, stand, scatter, &[]).with_periods(bench, 20.0);
     scan_with(bench, subset, stand, &peaks, &[])
 }
 

@@ -12,7 +12,7 @@ use crate::bench::{Bench, Fitted};
 use crate::forward::select_beside;
 use crate::general::Lack;
 use crate::lateness::Lateness;
-use crate::scan::{Scan, scan};
+use crate::scan::{Scan, scan, scan_without};
 use crate::settled::{law_alone, likely_scatter};
 use crate::stand::Stand;
 use crate::subset::Subset;
@@ -26,6 +26,8 @@ pub(crate) const MOST_EFFECTS: usize = 4;
 /// A catalogue's shape is taken to be right to this share of an effect's amplitude: less than its square of what is
 /// explained may be the wrong shape of a named cause, and is no ground for naming another.
 pub(crate) const SHAPE_TOLERANCE: f64 = 0.15;
+/// A cause whose score beside the law alone is less than this share of the best is dull.
+pub(crate) const DULL: f64 = 0.2;
 /// How thorough a selection is.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Depth {
@@ -64,15 +66,41 @@ pub(crate) struct Selected {
     pub(crate) refused: Vec<String>,
 }
 
-/// Where a selection may start from.
+/// What a selection starts from.
+#[derive(Clone, Copy)]
+pub(crate) enum Start<'a> {
+    /// Nothing is known.
+    Scratch,
+    /// The law alone was fitted before, under the noise that is assumed at first.
+    Law(&'a Fitted),
+    /// Another selection on nearly the same data.
+    Near(&'a Warm),
+}
+
+impl<'a> Start<'a> {
+    fn warm(self) -> Option<&'a Warm> {
+        match self {
+            Self::Near(warm) => Some(warm),
+            Self::Scratch | Self::Law(_) => None,
+        }
+    }
+}
+
+/// Where another selection has ended.
 #[derive(Clone)]
 pub(crate) struct Warm {
     pub(crate) law: Vec<f64>,
+    /// The noise beneath the law alone, and beneath the law with the named causes.
+    pub(crate) law_sizes: Sizes,
     pub(crate) sizes: Sizes,
     /// The law's parameters beside the named causes.
     pub(crate) extended_law: Vec<f64>,
     /// The named causes and their parameters.
     pub(crate) causes: Vec<(usize, Vec<f64>)>,
+    /// Causes that were not named and scored next to nothing beside the law alone: a fold does not ask them again.
+    pub(crate) dull: Vec<usize>,
+    /// How many causes were asked.
+    pub(crate) asked: usize,
     /// How late samples tell of the plate.
     pub(crate) late: Lateness,
     /// Whether the plate turns.
@@ -91,17 +119,32 @@ impl Selected {
         effects.any(|(effect, log_p)| causes.contains(effect) && *log_p < strict(&self.first))
     }
 
+    /// Candidates that scored next to nothing beside the law alone and are not in the set.
+    fn dull(&self) -> Vec<usize> {
+        let candidates = &self.first.candidates;
+        let best = candidates.first().map_or(0.0, |c| c.score.z());
+        let named = |cause| self.stand.fitted.effects.contains(&cause);
+        candidates
+            .iter()
+            .filter(|c| c.score.z() < DULL * best && !named(c.cause))
+            .map(|c| c.cause)
+            .collect()
+    }
+
     /// Where another selection on nearly the same data may start.
     pub(crate) fn warm(&self) -> Warm {
         let extended = &self.stand.fitted;
         let own = |k: usize| extended.parameters[extended.model.span(k)].to_vec();
         Warm {
             law: self.baseline.fitted.parameters.clone(),
+            law_sizes: self.first.sizes.unwrap_or(self.stand.sizes),
             sizes: self.stand.sizes,
             extended_law: extended.parameters[..extended.model.law_parameters()].to_vec(),
             causes: (0..extended.effects.len())
                 .map(|k| (extended.effects[k], own(k)))
                 .collect(),
+            dull: self.dull(),
+            asked: self.first.asked,
             late: self.subset.lateness(),
             turns: self.subset.turns(),
         }
@@ -114,9 +157,21 @@ pub(crate) fn strict(first: &Scan) -> f64 {
 }
 
 /// Law alone, its noise, and what is seen beside it.
-fn baseline(bench: &Bench<'_>, subset: &Subset, warm: Option<&Warm>) -> Option<(Stand, Scan)> {
-    let stand = law_alone(bench, subset, warm)?;
-    let found = scan(bench, subset, &stand, likely_scatter(&stand));
+fn baseline(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    depth: Depth,
+    start: Start<'_>,
+) -> Option<(Stand, Scan)> {
+    let stand = law_alone(bench, subset, start)?;
+    let scatter = likely_scatter(&stand);
+    let Some(warm) = start.warm().filter(|_| depth == Depth::Fold) else {
+        let found = scan(bench, subset, &stand, scatter);
+        return Some((stand, found));
+    };
+    let mut found = scan_without(bench, subset, &stand, scatter, &warm.dull);
+    // What is named is named among all that the whole campaign asked.
+    found.asked = found.asked.max(warm.asked);
     Some((stand, found))
 }
 
@@ -125,19 +180,20 @@ pub(crate) fn select(
     bench: &Bench<'_>,
     subset: &Subset,
     depth: Depth,
-    warm: Option<&Warm>,
+    start: Start<'_>,
 ) -> Option<Selected> {
+    let warm = start.warm();
     let mut subset = subset
         .late_by(warm.map_or(Lateness::default(), |w| w.late))
         .turning(warm.is_some_and(|w| w.turns));
-    let mut ground = baseline(bench, &subset, warm)?;
+    let mut ground = baseline(bench, &subset, depth, start)?;
     if depth == Depth::Full {
         bench.tell(|| format!("law {} fitted alone; asking for causes", bench.law.id()));
     }
     if warm.is_none() && subset.can_turn(bench) {
         // A disc or a plate without end: the likelier, by what the law leaves.
         let disc = subset.turning(true);
-        let beside = baseline(bench, &disc, warm)?;
+        let beside = baseline(bench, &disc, depth, Start::Scratch)?;
         if beside.0.deviance < ground.0.deviance {
             (subset, ground) = (disc, beside);
         }

@@ -5,7 +5,7 @@ use fitting::noise::{Search, Sizes, Whitener};
 use crate::bench::{Bench, Fitted};
 use crate::joint::is_dear;
 use crate::scan::{Scan, smooth_beside};
-use crate::selection::Warm;
+use crate::selection::Start;
 use crate::stand::{Likelihood, Stand};
 use crate::steps::levelled;
 use crate::subset::Subset;
@@ -16,11 +16,15 @@ pub(crate) fn likely_scatter(stand: &Stand) -> f64 {
 }
 
 /// Law alone and its noise.
-pub(crate) fn law_alone(bench: &Bench<'_>, subset: &Subset, warm: Option<&Warm>) -> Option<Stand> {
-    let first_sizes = warm.map_or_else(|| bench.first_sizes(), |w| w.sizes);
-    let fitted = match warm {
-        None => bench.law_fit(subset, &first_sizes, f64::INFINITY)?,
-        Some(w) => {
+pub(crate) fn law_alone(bench: &Bench<'_>, subset: &Subset, start: Start<'_>) -> Option<Stand> {
+    let first_sizes = match start {
+        Start::Near(w) => w.law_sizes,
+        Start::Scratch | Start::Law(_) => bench.first_sizes(),
+    };
+    let fitted = match start {
+        Start::Scratch => bench.law_fit(subset, &first_sizes, f64::INFINITY)?,
+        Start::Law(fitted) => fitted.clone(),
+        Start::Near(w) => {
             let model = bench.model(&[])?;
             let mut start = model.at_null(&w.law[..model.law_parameters()], &bench.experiment);
             let shared = start.len().min(w.law.len());
@@ -31,7 +35,8 @@ pub(crate) fn law_alone(bench: &Bench<'_>, subset: &Subset, warm: Option<&Warm>)
             bench.fit(subset, &[], &start, &whitener, None, 20)?
         }
     };
-    under_its_noise(bench, subset, fitted, first_sizes, warm.is_some())
+    let known = matches!(start, Start::Near(_));
+    under_its_noise(bench, subset, fitted, first_sizes, known)
 }
 
 /// A fit, the noise beneath it, and the fit under that noise. `known`: whether the first sizes are those of a noise and not only

@@ -58,10 +58,24 @@ pub struct Sizes {
 /// What the grid leaves between its nodes repeats with every run, but the filter along the runs takes it as private to each.
 /// At wavelengths far above the spacing h its spectrum is plate^2 h^2 / (6 l); the private roughness that hides it has
 /// 2 private^2 l / (1 + (2 pi l / wavelength)^2). With twelve nodes and equal sizes a line of 1.4 lengths in K runs has 1 + 0.02 K
-/// times the variance that is reckoned; with four nodes it was 1 + 0.2 K, and smooth plates had false lines.
+/// times the variance that is reckoned; with four nodes it was 1 + 0.2 K, and smooth plates had false lines. White noise hides it as well:
+/// over a step s between samples its spectrum is (sensor / f)^2 s.
 const NODES_PER_LENGTH: f64 = 12.0;
-/// Never finer than this many times the nodes of equal sizes.
+/// Never finer than this many times the nodes of equal sizes, and never coarser than this share of them.
 const FINEST: f64 = 3.0;
+const COARSEST: f64 = 1.0 / 3.0;
+/// Spectrum of private roughness at a wavelength of 1.4 lengths, over its variance and length: 2 / (1 + (2 pi / 1.4)^2).
+const AT_A_LINE: f64 = 0.094_6;
+
+/// How densely a record is sampled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sampling {
+    /// Way from sample to sample over which white noise hides roughness, in the mean, m (or rad); zero where a resonance amplifies what it
+    /// would hide.
+    step: f64,
+    /// Root mean square of the force that roughness multiplies.
+    force: f64,
+}
 
 impl Sizes {
     /// No noise at all.
@@ -88,17 +102,17 @@ impl Sizes {
         self.length * self.plate_ratio
     }
 
-    /// Spacing of the grid that carries the plate's field, m (or rad): finer the more the plate outweighs the private roughness, and a power of two.
+    /// Spacing of the grid that carries the plate's field, m (or rad): finer the more the plate outweighs the private roughness and the white
+    /// noise, and a power of two.
     ///
     /// What lies between nodes depends on where they are. Where repeats pass the same places -2 log likelihood jumps by tens from one spacing to
     /// another a few percent finer; models whose noise differs little are on one grid this way, and the likelihood is smooth in their sizes.
-    pub fn node_spacing(&self) -> f64 {
-        let finer = if self.plate > self.private {
-            (self.plate / self.private).min(FINEST)
-        } else {
-            1.0
-        };
-        let coarsest = self.plate_length() / (NODES_PER_LENGTH * finer);
+    pub(super) fn node_spacing(&self, sampling: Sampling) -> f64 {
+        let length = self.plate_length();
+        let white = (self.sensor / sampling.force).powi(2) * sampling.step / (AT_A_LINE * length);
+        let hidden_by = (self.private.powi(2) + white).sqrt();
+        let finer = (self.plate / hidden_by).clamp(COARSEST, FINEST);
+        let coarsest = length / (NODES_PER_LENGTH * finer);
         coarsest.log2().floor().exp2()
     }
 }
@@ -107,6 +121,21 @@ impl Context {
     /// What the record shows of a force: behind the filter of the channel.
     pub fn recorded(&self, force: &mut [f64]) {
         self.channel.lag.put_in(force);
+    }
+
+    /// How densely the record is sampled.
+    pub(super) fn sampling(&self) -> Sampling {
+        let n = self.samples() as f64;
+        let slid =
+            (self.runs.iter()).map(|run| self.sliding[run.end - 1] - self.sliding[run.start]);
+        let force = (self.scale.iter().map(|f| f * f).sum::<f64>() / n).sqrt();
+        Sampling {
+            step: match self.channel.rings.is_empty() {
+                true => slid.sum::<f64>() / n,
+                false => 0.0,
+            },
+            force: force.max(f64::MIN_POSITIVE),
+        }
     }
 
     /// The channel as it is undone under these sizes.

@@ -8,10 +8,10 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::context::{Context, Sizes};
+use super::context::{Context, Sampling, Sizes};
 use super::restricted::Criterion;
 use super::scatter::{ScatterEvidence, gain_columns};
-use super::search;
+use super::search::{self, NEAR, TO_THE_END};
 use super::whitener::Whitener;
 
 /// What the caller knows besides the residuals.
@@ -86,8 +86,8 @@ pub struct NoiseModel {
 const LONGEST_SHARE: f64 = 20.0;
 /// The same where runs go back and forth and no step of the plate says as much.
 const LONGEST_SHARE_TO_AND_FRO: f64 = 6.0;
-/// Samples beyond which starts are compared on every other run only.
-const MANY: usize = 40_000;
+/// Samples times runs up to which the mean holds a gain for every run.
+const MOST_GAINS: usize = 2_000_000;
 
 /// Estimates the noise from the residual of a fit and the Jacobian of its mean (n x p).
 ///
@@ -105,7 +105,7 @@ pub fn estimate(
     let (p, q) = (jacobian.ncols(), within.ncols());
     let mut mean = jacobian.clone().resize_horizontally(p + q, 0.0);
     mean.view_mut((0, p), (n, q)).copy_from(within);
-    let criterion = Criterion::new(context, &mean, n * runs <= 50 * MANY, residual);
+    let criterion = Criterion::new(context, &mean, n * runs <= MOST_GAINS, residual);
     let plate_separable = context.shared_places() > 0.05;
     let mut frame = Frame::new(context, &criterion, options, plate_separable);
 
@@ -145,7 +145,7 @@ pub fn estimate(
             minimum = still;
         }
     }
-    let spacing = frame.sizes(&minimum.point).node_spacing();
+    let spacing = frame.spacing(&minimum.point);
     let log_sd = if options.uncertainty {
         search::standard_deviations(
             &|x: &[f64]| criterion.value(&frame.sizes(x), spacing),
@@ -237,7 +237,7 @@ pub(super) enum More {
 const SMOOTHINGS: (f64, f64) = (0.004, 0.95);
 /// Spacing of the plate's nodes over their own on which the sizes are searched for first: near enough for a few steps on the fine
 /// grid to end the search, at a fraction of its price.
-pub(super) const COARSE: f64 = 3.0;
+const COARSE: f64 = 3.0;
 /// Most ratio of the two lengths that is searched, either way: a field of the plate with a length far beyond all else is a law's or a surface's bend.
 const MOST_RATIO: f64 = 5.0;
 /// The plate's length over the longest of a roughness that is longer than the private one.
@@ -259,6 +259,7 @@ pub(super) struct Frame {
     pub(super) wander_times_s: (f64, f64),
     more: More,
     plate: bool,
+    sampling: Sampling,
     relative: f64,
     absolute: f64,
     starts: usize,
@@ -319,6 +320,7 @@ impl Frame {
             wander_times_s: wander_times_s(context),
             more: More::Smoothing,
             plate,
+            sampling: context.sampling(),
             relative,
             absolute,
             starts: 0,
@@ -418,6 +420,20 @@ impl Frame {
         }
     }
 
+    /// Spacing of the plate's grid at a point, m (or rad).
+    pub(super) fn spacing(&self, x: &[f64]) -> f64 {
+        self.sizes(x).node_spacing(self.sampling)
+    }
+
+    /// That of a coarse grid; it too has some nodes in each length.
+    pub(super) fn coarse(&self, x: &[f64]) -> f64 {
+        /// Nodes per correlation length.
+        const FEWEST: f64 = 3.0;
+        let spacing = self.spacing(x);
+        let coarsest = self.sizes(x).plate_length() / FEWEST;
+        (COARSE * spacing).min(coarsest).max(spacing)
+    }
+
     /// The likeliest sizes from a start that has the smoothing or has it not; one that is far from them is first brought near on a
     /// coarse grid.
     pub(super) fn search(
@@ -432,24 +448,26 @@ impl Frame {
         bounds.truncate(start.len());
         let mut again = true;
         loop {
-            let length = |x: &[f64]| self.sizes(x).plate_length().ln();
-            let begun = length(&start);
-            let spacing = self.sizes(&start).node_spacing();
+            let begun = start.clone();
+            let spacing = self.spacing(&start);
             let on = |spacing: f64| move |x: &[f64]| criterion.value(&self.sizes(x), spacing);
             let mut inverse = criterion.inverse_curvature(|x| self.sizes(x), &start);
             if far {
-                let near = self.near(criterion, &start, COARSE * spacing);
+                let near = self.on_grid(criterion, &start, self.coarse(&start), NEAR);
                 *evaluations += near.evaluations;
                 if search == Search::Near {
                     return near;
                 }
                 (start, inverse) = (near.point, Some(near.inverse));
             }
-            let found = search::minimise(&on(spacing), &start, inverse, &bounds, 25);
+            let found = search::minimise(&on(spacing), &start, inverse, &bounds, TO_THE_END);
             *evaluations += found.evaluations;
-            // The grid's spacing follows the length: search again only where it moved far, and once.
-            let moved = (length(&found.point) - begun).abs();
-            if moved < 0.7 || !again {
+            // The grid's spacing follows the sizes: search again only where the length or the grid moved far, and once.
+            let length = |x: &[f64]| self.sizes(x).plate_length();
+            let far_apart = |a: f64, b: f64| (a / b).ln().abs() > 0.7;
+            let moved = far_apart(length(&found.point), length(&begun))
+                || far_apart(self.spacing(&found.point), spacing);
+            if !moved || !again {
                 return found;
             }
             start = found.point;
@@ -464,10 +482,21 @@ impl Frame {
         start: &[f64],
         spacing: f64,
     ) -> search::Minimum {
+        self.on_grid(criterion, start, spacing, TO_THE_END)
+    }
+
+    /// The same as far as steps are worthwhile.
+    pub(super) fn on_grid(
+        &self,
+        criterion: &Criterion<'_>,
+        start: &[f64],
+        spacing: f64,
+        worthwhile: f64,
+    ) -> search::Minimum {
         let bounds = &self.bounds[..start.len()];
         let on_grid = |x: &[f64]| criterion.value(&self.sizes(x), spacing);
         let inverse = criterion.inverse_curvature(|x| self.sizes(x), start);
-        search::minimise(&on_grid, start, inverse, bounds, 25)
+        search::minimise(&on_grid, start, inverse, bounds, worthwhile)
     }
 
     /// The former sizes, or the best of a coarse grid over length and share of the sensor noise.
@@ -516,10 +545,7 @@ impl Frame {
         }
         let values: Vec<f64> = points
             .par_iter()
-            .map(|x| {
-                let sizes = self.sizes(x);
-                criterion.value(&sizes, COARSE * sizes.node_spacing())
-            })
+            .map(|x| criterion.value(&self.sizes(x), self.coarse(x)))
             .collect();
         let best = (0..points.len()).min_by(|&a, &b| values[a].total_cmp(&values[b]));
         points.swap_remove(best.unwrap_or(0))
@@ -542,7 +568,7 @@ impl Frame {
         (start[PLATE], start[PRIVATE]) = (half, half);
         let sizes = self.sizes(&found.point);
         *evaluations += 1;
-        if criterion.value(&self.sizes(&start), sizes.node_spacing()) > found.value {
+        if criterion.value(&self.sizes(&start), self.spacing(&found.point)) > found.value {
             return None;
         }
         let again = self.search(criterion, start, Search::Onward(sizes), evaluations);

@@ -3,9 +3,9 @@
 
 use rayon::prelude::*;
 
-use super::estimate::{COARSE, Frame, LENGTH, More, PLATE, PRIVATE, SENSOR, Search};
+use super::estimate::{Frame, LENGTH, More, PLATE, PRIVATE, SENSOR, Search};
 use super::restricted::Criterion;
-use super::search::Minimum;
+use super::search::{Minimum, NEAR};
 
 /// Smoothings that are tried beside exponential roughness, and lengths over which the roughness is alike as shares of the one found
 /// (exponential roughness makes up for what it lacks in smoothness by length).
@@ -79,14 +79,14 @@ impl Frame {
             point.splice(self.further_place()..self.further_place(), wander);
             point
         };
-        let spacing = COARSE * self.sizes(&still.point).node_spacing();
+        let spacing = self.coarse(&still.point);
         let levelled = criterion.with_levels();
-        let on_grid = |frame: &Self, point: &[f64]| levelled.value(&frame.sizes(point), spacing);
-        let without = on_grid(self, &still.point);
+        let at = |frame: &Self, point: &[f64]| levelled.value(&frame.sizes(point), spacing);
+        let without = at(self, &still.point);
         let times = WANDER_TIMES.map(|times| times * shortest);
         let probed: Vec<(f64, f64)> = (times.into_par_iter())
             .filter(|time_s| *time_s < longest)
-            .map(|time_s| (on_grid(&frame, &with_wander(WANDER_SHARE, time_s)), time_s))
+            .map(|time_s| (at(&frame, &with_wander(WANDER_SHARE, time_s)), time_s))
             .collect();
         *evaluations += probed.len() + 1;
         let likeliest = probed.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
@@ -95,10 +95,10 @@ impl Frame {
         let mut in_stead = with_wander(WANDER_IN_STEAD, slowest.min(0.5 * longest));
         in_stead[LENGTH] += LENGTH_LEFT.ln();
         let starts = [with_wander(WANDER_BEGUN, time_s), in_stead];
-        let near = starts.map(|start| frame.near(&levelled, &start, spacing));
+        let near = starts.map(|start| frame.on_grid(&levelled, &start, spacing, NEAR));
         *evaluations += near.iter().map(|found| found.evaluations).sum::<usize>();
         let near = (near.into_iter()).min_by(|a, b| a.value.total_cmp(&b.value))?;
-        let as_still = self.near(&levelled, &still.point, spacing);
+        let as_still = self.on_grid(&levelled, &still.point, spacing, NEAR);
         *evaluations += as_still.evaluations;
         let saved = as_still.value - near.value;
         if saved < WORTH_WANDER {
@@ -136,7 +136,7 @@ impl Frame {
                 let mut point = plain.point.clone();
                 point[LENGTH] += (share / (1.0 + smoothing)).ln();
                 point.push(smoothing.ln());
-                let spacing = self.sizes(&point).node_spacing();
+                let spacing = self.spacing(&point);
                 (
                     on_grid(&point, spacing) - on_grid(&plain.point, spacing),
                     point,
@@ -149,7 +149,7 @@ impl Frame {
         *evaluations += 2 * PROBES.len();
         let (_, point) = likelier?;
         let from = if thorough {
-            let coarse = COARSE * self.sizes(&point).node_spacing();
+            let coarse = self.coarse(&point);
             let near = self.near(criterion, &point, coarse);
             *evaluations += near.evaluations + 1;
             // What is not seen there at all will not be worth its price on a finer grid.
@@ -162,7 +162,7 @@ impl Frame {
         };
         let again = Search::Again(self.sizes(&from));
         let found = self.search(criterion, from, again, evaluations);
-        let spacing = self.sizes(&found.point).node_spacing();
+        let spacing = self.spacing(&found.point);
         let own = on_grid(&found.point, spacing);
         let saves = |plain: f64| own < plain - WORTH_SMOOTHING;
         *evaluations += 2;
@@ -197,7 +197,7 @@ impl Frame {
             let mut point = alike.point.clone();
             point[PLATE] += more.ln();
             point.push(smoothing.ln());
-            let spacing = self.sizes(&point).node_spacing();
+            let spacing = self.spacing(&point);
             let beyond = on_grid(&point, spacing) - on_grid(&alike.point, spacing);
             (beyond, point)
         };
@@ -228,7 +228,7 @@ impl Frame {
     ) -> Option<(Minimum, f64)> {
         let on_grid =
             |frame: &Self, point: &[f64], spacing| criterion.value(&frame.sizes(point), spacing);
-        let coarse = COARSE * self.sizes(start).node_spacing();
+        let coarse = self.coarse(start);
         let near = self.near(criterion, start, coarse);
         *evaluations += near.evaluations + 1;
         if near.value > on_grid(without, &plain.point, coarse) - 0.5 * worth {
@@ -236,7 +236,7 @@ impl Frame {
         }
         let again = Search::Again(self.sizes(&near.point));
         let found = self.search(criterion, near.point, again, evaluations);
-        let spacing = self.sizes(&found.point).node_spacing();
+        let spacing = self.spacing(&found.point);
         let as_plain = without.near(criterion, &plain.point, spacing);
         *evaluations += as_plain.evaluations + 1;
         let saved = as_plain.value - on_grid(self, &found.point, spacing);
@@ -259,7 +259,7 @@ impl Frame {
         let mut start = alike.point.clone();
         start[self.further_place()] = APART.ln();
         start[LENGTH] += 0.5 * (smoothing / APART).ln();
-        let coarse = COARSE * self.sizes(&alike.point).node_spacing();
+        let coarse = self.coarse(&alike.point);
         let apart = self.near(criterion, &start, coarse);
         *evaluations += apart.evaluations + 1;
         let on_grid = |point: &[f64]| criterion.value(&self.sizes(point), coarse);
@@ -289,11 +289,7 @@ impl Frame {
                 point[PRIVATE] += 0.5 * moved * ratio.ln();
                 point[PLATE] += 0.5 * (1.0 + moved) * ratio.ln();
                 point.push(ratio.ln());
-                let finer = apart
-                    .sizes(&point)
-                    .node_spacing()
-                    .min(apart.sizes(&one.point).node_spacing());
-                let spacing = COARSE * finer;
+                let spacing = apart.coarse(&point).min(apart.coarse(&one.point));
                 (
                     on_grid(&point, spacing) - on_grid(&one.point, spacing),
                     point,
@@ -326,7 +322,7 @@ impl Frame {
         evaluations: &mut usize,
     ) -> Option<Further> {
         let frame = self.reaching_further(&one.point)?;
-        let spacing = self.sizes(&one.point).node_spacing();
+        let spacing = self.spacing(&one.point);
         let minimum = frame.near(criterion, &one.point, spacing);
         *evaluations += minimum.evaluations;
         let saved = criterion.value(&self.sizes(&one.point), spacing) - minimum.value;
@@ -347,7 +343,7 @@ impl Frame {
         evaluations: &mut usize,
     ) -> f64 {
         let sizes = self.sizes(&one.point);
-        let spacing = sizes.node_spacing();
+        let spacing = self.spacing(&one.point);
         let steps = criterion.steps(PLACES);
         let Some(scores) = criterion.scores(&steps, &sizes, spacing) else {
             return 0.0;

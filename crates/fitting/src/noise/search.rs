@@ -10,8 +10,10 @@ use rayon::prelude::*;
 
 /// Step of the differences.
 const STEP: f64 = 0.002;
-/// A step that promises to lower -2 log likelihood by less than this is not worth taking.
-const PROMISE: f64 = 0.02;
+/// How far a search goes: a step that promises to lower -2 log likelihood by less than this is not worth taking.
+pub(super) const TO_THE_END: f64 = 0.02;
+/// The same where another search follows, or where what is compared must differ by tens.
+pub(super) const NEAR: f64 = 0.3;
 
 /// Inverse of the curvature before any is met.
 const FIRST: f64 = 0.1;
@@ -26,14 +28,16 @@ pub(super) struct Minimum {
     pub(super) converged: bool,
 }
 
-/// Minimises `f` within box bounds from `start`, with an estimate of the inverse of the Hessian where there is one.
+/// Minimises `f` within box bounds from `start`, with an estimate of the inverse of the Hessian where there is one, as far as `worthwhile`
+/// steps lead.
 pub(super) fn minimise(
     f: &(dyn Fn(&[f64]) -> f64 + Sync),
     start: &[f64],
     inverse: Option<DMatrix<f64>>,
     bounds: &[(f64, f64)],
-    most_iterations: usize,
+    worthwhile: f64,
 ) -> Minimum {
+    const MOST_ITERATIONS: usize = 25;
     let n = start.len();
     let clamp = |x: &DVector<f64>| -> DVector<f64> {
         DVector::from_iterator(
@@ -48,7 +52,7 @@ pub(super) fn minimise(
     let mut slope = gradient(f, &x, value, &mut evaluations);
     let mut converged = false;
     let mut promised_before = None;
-    for _ in 0..most_iterations {
+    for _ in 0..MOST_ITERATIONS {
         let mut direction = step_within(&x, &slope, &inverse, bounds);
         if direction.dot(&slope) >= 0.0 {
             direction = clamp(&(&x - &slope * 0.05)) - &x;
@@ -58,7 +62,7 @@ pub(super) fn minimise(
             direction *= 1.5 / longest;
         }
         let promised = direction.dot(&slope);
-        if promised.abs() < PROMISE {
+        if promised.abs() < worthwhile {
             converged = true;
             break;
         }
@@ -80,7 +84,7 @@ pub(super) fn minimise(
         };
         // The promises of whole steps fall by a factor. Where the next one, fallen as much, would not be worth taking, no slope is needed.
         let fallen = promised_before.map_or(1.0, |before: f64| promised / before);
-        if length == 1.0 && promised.abs() * fallen < PROMISE {
+        if length == 1.0 && promised.abs() * fallen < worthwhile {
             (x, value, converged) = (next, next_value, true);
             break;
         }
@@ -222,7 +226,13 @@ mod tests {
     #[test]
     fn a_corner_is_an_end() {
         let plane = |x: &[f64]| 10.0 * x[0] - 20.0 * x[1];
-        let found = minimise(&plane, &[0.0, 1.0], None, &[(0.0, 1.0), (0.0, 1.0)], 25);
+        let found = minimise(
+            &plane,
+            &[0.0, 1.0],
+            None,
+            &[(0.0, 1.0), (0.0, 1.0)],
+            TO_THE_END,
+        );
         assert!(found.converged);
         assert_eq!((found.point, found.evaluations), (vec![0.0, 1.0], 3));
     }
@@ -244,7 +254,7 @@ mod tests {
         // the last.
         for (first, second) in [(-0.05, 0.0), (0.05, 0.0), (0.2, -0.1)] {
             let inverse = hessian.clone().try_inverse();
-            let found = minimise(&valley, &[first, second], inverse, &bounds, 25);
+            let found = minimise(&valley, &[first, second], inverse, &bounds, TO_THE_END);
             assert!(found.converged);
             let off = (found.point[0] - there).abs();
             assert!(off < 2.0 * STEP, "{first}: {:?}", found.point);

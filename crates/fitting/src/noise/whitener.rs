@@ -52,7 +52,7 @@ enum ScatterRoot {
 impl Whitener {
     /// Builds the recursions for a campaign's samples and the sizes of its noise.
     pub fn new(context: &Context, sizes: &Sizes) -> Self {
-        let grid = Grid::new(context, sizes.node_spacing());
+        let grid = Grid::new(context, sizes.node_spacing(context.sampling()));
         let undone = context.undone(sizes);
         let along = Along::new(context, sizes, &undone, grid.unresolved(sizes));
         let mut log_det = along.log_det - 2.0 * undone.log_det();

@@ -181,8 +181,9 @@ fn agree(sizes: &Sizes) {
     let gains = gain_columns(&context);
     let mut mean = gains.clone().resize_horizontally(gains.ncols() + 1, 0.0);
     mean.set_column(gains.ncols(), &wave.column(0));
+    let spacing = sizes.node_spacing(context.sampling());
     let value_of = |mean: &DMatrix<f64>, own_gains: bool| {
-        Criterion::new(&context, mean, own_gains, &r).value(sizes, sizes.node_spacing())
+        Criterion::new(&context, mean, own_gains, &r).value(sizes, spacing)
     };
     let value = value_of(&wave, true);
     let as_columns = value_of(&mean, false);
