@@ -25,28 +25,28 @@ pub(crate) struct Chosen<'a> {
 
 /// The whole selection with the motions that the force prefers; `None` where the law itself cannot be computed.
 pub(crate) fn select_with_motions<'a>(bent: &Bench<'a>) -> Option<Chosen<'a>> {
-    let ask = |bench: &Bench<'_>, start: Start<'_>| {
+    let ask = |(bench, start): (&Bench<'_>, Start<'_>)| {
         select(bench, &Subset::all(bench), Depth::Full, start)
     };
     let Some(chords) = bent.experiment.along_chords() else {
         return Some(Chosen {
-            selected: ask(bent, Start::Scratch)?,
+            selected: ask((bent, Start::Scratch))?,
             straight: None,
         });
     };
     let straight = bent.with_motions(chords);
     let law = first_fit(bent)?;
     let is_straight = nearer(&straight, &Subset::all(bent), &law);
-    let (selected, second) = match is_straight {
-        true => (ask(&straight, Start::Scratch)?, bent),
-        false => (ask(bent, Start::Law(&law.fitted))?, &straight),
+    let along_bends = (bent, Start::Law(&law.fitted));
+    let along_chords = (&straight, Start::Scratch);
+    let (first, second) = match is_straight {
+        true => (along_chords, along_bends),
+        false => (along_bends, along_chords),
     };
-    let other = other_motions_suit(second, &selected).then(|| {
+    let selected = ask(first)?;
+    let other = other_motions_suit(second.0, &selected).then(|| {
         bent.tell(|| "asking again with other motions between the samples".to_owned());
-        match is_straight {
-            true => ask(bent, Start::Law(&law.fitted)),
-            false => ask(&straight, Start::Scratch),
-        }
+        ask(second)
     });
     let likelier = (other.flatten()).filter(|other| worth(other) < worth(&selected));
     let is_straight = is_straight != likelier.is_some();

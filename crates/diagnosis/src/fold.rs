@@ -146,11 +146,9 @@ pub(crate) fn fold(
 
 /// Whether what a fold has named would stay named, were it the whole campaign: the names that the whole campaign has kept do.
 fn keeps_names(bench: &Bench<'_>, mut own: Selected, warm: &Warm) -> bool {
-    let ids = |effects: &mut dyn Iterator<Item = usize>| -> BTreeSet<&str> {
-        effects.map(|cause| bench.catalogue[cause].id()).collect()
-    };
-    let named = ids(&mut warm.causes.iter().map(|(cause, _)| *cause));
-    if named == ids(&mut own.stand.fitted.effects.iter().copied()) {
+    let of_the_whole = warm.causes.iter().map(|(cause, _)| *cause);
+    let of_the_whole: BTreeSet<&str> = of_the_whole.map(|c| bench.catalogue[c].id()).collect();
+    if of_the_whole == BTreeSet::from_iter(own.stand.fitted.ids(bench)) {
         return true;
     }
     own.left = lack(bench, &own.subset, &own.stand);

@@ -10,9 +10,7 @@ use crate::look_back::{drop_idle, exchange_with_named, look_back};
 use crate::proposal::{Next, Proposal, Seen, cannot_matter};
 use crate::refusal::take_back;
 use crate::scan::{Scan, scan, scan_without};
-use crate::selection::{
-    DULL, Depth, MOST_EFFECTS, SHAPE_TOLERANCE, Selected, Single, Warm, strict,
-};
+use crate::selection::{Depth, MOST_EFFECTS, SHAPE_TOLERANCE, Selected, Single, Warm, strict};
 use crate::settled::{likely_scatter, settle};
 use crate::stand::Stand;
 use crate::subset::Subset;
@@ -109,10 +107,14 @@ impl<'a, 'b> Forward<'a, 'b> {
         }
     }
 
+    /// Where the whole campaign has ended, inside a fold of it.
+    fn whole_campaign(&self) -> Option<&'a Warm> {
+        self.warm.filter(|_| self.depth == Depth::Fold)
+    }
+
     /// The tail probability at which a round takes a cause in. What is plain comes in as in the whole campaign; a fold goes on to what is not.
     fn admitted(&self, round: usize) -> f64 {
-        let named = self.warm.filter(|_| self.depth == Depth::Fold);
-        let expected = named.map_or(0, |warm| warm.causes.len());
+        let expected = self.whole_campaign().map_or(0, |warm| warm.causes.len());
         if round < expected {
             ALPHA_FOLD.ln()
         } else {
@@ -122,15 +124,11 @@ impl<'a, 'b> Forward<'a, 'b> {
 
     /// What is seen beside the causes that were taken in; dear ones that scored little beside the law alone are not asked again.
     fn seen_beside(&self, stand: &Stand) -> Scan {
-        let candidates = &self.first.candidates;
-        let best = candidates.first().map_or(0.0, |c| c.score.z());
-        let mut dull: Vec<usize> = candidates
-            .iter()
-            .filter(|c| is_dear(self.bench, c.cause) && c.score.z() < DULL * best)
-            .map(|c| c.cause)
+        let mut dull: Vec<usize> = (self.first.dull())
+            .filter(|&cause| is_dear(self.bench, cause))
             .collect();
-        if let Some(warm) = self.warm.filter(|_| self.depth == Depth::Fold) {
-            dull.extend_from_slice(&warm.dull);
+        if let Some(whole) = self.whole_campaign() {
+            dull.extend_from_slice(&whole.dull);
         }
         let scatter = likely_scatter(stand);
         scan_without(self.bench, &self.subset, stand, scatter, &dull)

@@ -94,6 +94,16 @@ impl Scan {
         own.map_or(0.0, |c| c.log_p)
     }
 
+    /// Candidates that scored next to nothing: less than a share of what the best did.
+    pub(crate) fn dull(&self) -> impl Iterator<Item = usize> + '_ {
+        /// Of the best score.
+        const SHARE: f64 = 0.2;
+        let best = self.candidates.first().map_or(0.0, |c| c.score.z());
+        let dull = self.candidates.iter();
+        dull.filter(move |c| c.score.z() < SHARE * best)
+            .map(|c| c.cause)
+    }
+
     /// The same scan for a noise that is to be searched from other sizes (`None`: from scratch).
     pub(crate) fn with_sizes(&self, sizes: Option<Sizes>) -> Self {
         Self {

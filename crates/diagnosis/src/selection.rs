@@ -12,7 +12,7 @@ use crate::bench::{Bench, Fitted};
 use crate::forward::select_beside;
 use crate::general::Lack;
 use crate::lateness::Lateness;
-use crate::scan::{Scan, scan, scan_without};
+use crate::scan::{Scan, scan_without};
 use crate::settled::{law_alone, likely_scatter};
 use crate::stand::Stand;
 use crate::subset::Subset;
@@ -26,8 +26,6 @@ pub(crate) const MOST_EFFECTS: usize = 4;
 /// A catalogue's shape is taken to be right to this share of an effect's amplitude: less than its square of what is
 /// explained may be the wrong shape of a named cause, and is no ground for naming another.
 pub(crate) const SHAPE_TOLERANCE: f64 = 0.15;
-/// A cause whose score beside the law alone is less than this share of the best is dull.
-pub(crate) const DULL: f64 = 0.2;
 /// How thorough a selection is.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Depth {
@@ -119,18 +117,6 @@ impl Selected {
         effects.any(|(effect, log_p)| causes.contains(effect) && *log_p < strict(&self.first))
     }
 
-    /// Candidates that scored next to nothing beside the law alone and are not in the set.
-    fn dull(&self) -> Vec<usize> {
-        let candidates = &self.first.candidates;
-        let best = candidates.first().map_or(0.0, |c| c.score.z());
-        let named = |cause| self.stand.fitted.effects.contains(&cause);
-        candidates
-            .iter()
-            .filter(|c| c.score.z() < DULL * best && !named(c.cause))
-            .map(|c| c.cause)
-            .collect()
-    }
-
     /// Where another selection on nearly the same data may start.
     pub(crate) fn warm(&self) -> Warm {
         let extended = &self.stand.fitted;
@@ -143,7 +129,9 @@ impl Selected {
             causes: (0..extended.effects.len())
                 .map(|k| (extended.effects[k], own(k)))
                 .collect(),
-            dull: self.dull(),
+            dull: (self.first.dull())
+                .filter(|cause| !extended.effects.contains(cause))
+                .collect(),
             asked: self.first.asked,
             late: self.subset.lateness(),
             turns: self.subset.turns(),
@@ -165,13 +153,11 @@ fn baseline(
 ) -> Option<(Stand, Scan)> {
     let stand = law_alone(bench, subset, start)?;
     let scatter = likely_scatter(&stand);
-    let Some(warm) = start.warm().filter(|_| depth == Depth::Fold) else {
-        let found = scan(bench, subset, &stand, scatter);
-        return Some((stand, found));
-    };
-    let mut found = scan_without(bench, subset, &stand, scatter, &warm.dull);
-    // What is named is named among all that the whole campaign asked.
-    found.asked = found.asked.max(warm.asked);
+    let whole = start.warm().filter(|_| depth == Depth::Fold);
+    let dull = whole.map_or(&[][..], |whole| &whole.dull);
+    let mut found = scan_without(bench, subset, &stand, scatter, dull);
+    // What a fold names is named among all that the whole campaign asked.
+    found.asked = found.asked.max(whole.map_or(0, |whole| whole.asked));
     Some((stand, found))
 }
 
