@@ -3,15 +3,13 @@
 //! First the roughness, its length and the sensor noise from what happens within runs (N3), a gain for every run being
 //! part of the mean; then, with these, the scatter between runs from what the mean leaves between runs (N2).
 
-use std::ops::Range;
-
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
 
-use super::context::{Context, Sampling, Sizes};
+use super::context::{Context, Sizes};
+use super::frame::Frame;
 use super::restricted::Criterion;
 use super::scatter::{ScatterEvidence, gain_columns};
-use super::search::{self, NEAR, TO_THE_END};
+use super::search;
 use super::whitener::Whitener;
 
 /// What the caller knows besides the residuals.
@@ -48,14 +46,14 @@ pub enum Search {
 
 impl Search {
     /// Sizes to start from.
-    fn start(self) -> Option<Sizes> {
+    pub(super) fn start(self) -> Option<Sizes> {
         match self {
             Self::Scratch | Self::Near => None,
             Self::Onward(sizes) | Self::Again(sizes) => Some(sizes),
         }
     }
 
-    fn is_thorough(self) -> bool {
+    pub(super) fn is_thorough(self) -> bool {
         !matches!(self, Self::Again(_))
     }
 }
@@ -82,10 +80,6 @@ pub struct NoiseModel {
     pub deviance: f64,
 }
 
-/// The plate's length over the longest correlation length that counts as roughness.
-const LONGEST_SHARE: f64 = 20.0;
-/// The same where runs go back and forth and no step of the plate says as much.
-const LONGEST_SHARE_TO_AND_FRO: f64 = 6.0;
 /// Samples times runs up to which the mean holds a gain for every run.
 const MOST_GAINS: usize = 2_000_000;
 
@@ -181,23 +175,6 @@ pub fn estimate(
     }
 }
 
-/// Times over which a force channel may wander: from some samples, below which that is white noise, to a share of a run, beyond which it
-/// is a level of the run's own.
-fn wander_times_s(context: &Context) -> (f64, f64) {
-    const SAMPLES: f64 = 1.5;
-    const SHARE: f64 = 0.1;
-    let of_run = |run: &Range<usize>| -> f64 {
-        context
-            .steps_s
-            .get(run.clone())
-            .map_or(0.0, |steps| steps.iter().sum())
-    };
-    let longest = context.runs.iter().map(of_run).fold(0.0, f64::max);
-    let steps = context.samples().saturating_sub(context.runs.len()).max(1) as f64;
-    let step = context.steps_s.iter().sum::<f64>() / steps;
-    (SAMPLES * step, SHARE * longest)
-}
-
 /// Gains of all runs, or for very many of 96 of them, evenly chosen; and the conditions of the runs, where gains are of all.
 fn gain_columns_limited(context: &Context) -> (DMatrix<f64>, Vec<usize>) {
     const MOST: usize = 96;
@@ -213,398 +190,4 @@ fn gain_columns_limited(context: &Context) -> (DMatrix<f64>, Vec<usize>) {
         context.recorded(gains.column_mut(c).as_mut_slice());
     }
     (gains, Vec::new())
-}
-
-/// Coordinates of the search: logarithms of sensor, private, plate, length; of wander and its time, where the force channel wanders; and,
-/// where the record asks for them, of a further number ([`Frame::further_place`]) and the smoothing of the plate's roughness.
-pub(super) const SENSOR: usize = 0;
-pub(super) const PRIVATE: usize = 1;
-pub(super) const PLATE: usize = 2;
-pub(super) const LENGTH: usize = 3;
-const WANDER: usize = 4;
-const WANDER_TIME: usize = 5;
-
-/// What the further coordinate is. Roughness is smoother than exponential, that of the plate perhaps still smoother, or that of the plate has
-/// a length of its own; what smoothing and a second length at once would be has not been seen.
-#[derive(Clone, Copy, PartialEq)]
-pub(super) enum More {
-    Smoothing,
-    PlateRatio,
-}
-
-/// Least and most smoothing that is searched: below, no sample shows it (slow ones show one of a fiftieth, and a bound above that is paid for
-/// by length, for over short ways roughness does what smoothing times length squared says); above, the covariance does not change any more.
-const SMOOTHINGS: (f64, f64) = (0.004, 0.95);
-/// Spacing of the plate's nodes over their own on which the sizes are searched for first: near enough for a few steps on the fine
-/// grid to end the search, at a fraction of its price.
-const COARSE: f64 = 3.0;
-/// Most ratio of the two lengths that is searched, either way: a field of the plate with a length far beyond all else is a law's or a surface's bend.
-const MOST_RATIO: f64 = 5.0;
-/// The plate's length over the longest of a roughness that is longer than the private one.
-const LONGEST_PLATE_SHARE: f64 = 40.0;
-
-/// Where of plate and runs one has this share of the other's roughness, or less, it may have been lost on the way.
-const LOST: f64 = 0.1;
-
-/// A length nearer to its bound than this share lies on it.
-const ON_BOUND: f64 = 0.05;
-
-/// Scales and bounds of the search.
-#[derive(Clone)]
-pub(super) struct Frame {
-    bounds: Vec<(f64, f64)>,
-    /// Whether the force channel wanders.
-    pub(super) wanders: bool,
-    /// Shortest and longest time over which it may, s.
-    pub(super) wander_times_s: (f64, f64),
-    more: More,
-    plate: bool,
-    sampling: Sampling,
-    relative: f64,
-    absolute: f64,
-    starts: usize,
-    lengths: (f64, f64),
-    longest_plate: f64,
-    /// The longest length where no law can be mistaken for a field of the plate; `None` where it can.
-    longest_to_and_fro: Option<f64>,
-}
-
-impl Frame {
-    fn new(
-        context: &Context,
-        criterion: &Criterion<'_>,
-        options: &EstimateOptions,
-        plate: bool,
-    ) -> Self {
-        let absolute = criterion
-            .residual_rms()
-            .max(options.stated_sensor.unwrap_or(0.0) * 1e-2)
-            .max(1e-300);
-        let n = context.samples() as f64;
-        let scale_rms = (context.scale.iter().map(|f| f * f).sum::<f64>() / n).sqrt();
-        let relative = absolute / scale_rms.max(1e-300);
-        let (lo, hi) = context.extent();
-        let slid: f64 = context
-            .runs
-            .iter()
-            .map(|r| context.sliding[r.end - 1] - context.sliding[r.start])
-            .fold(0.0, f64::max);
-        // A run that goes back and forth slides far over a short plate: the plate is what counts.
-        let span = if hi > lo { hi - lo } else { slid.max(1e-9) };
-        let step = slid / (n / context.runs.len() as f64);
-        // A correlation over more than a twentieth of the plate is no roughness but a law that misses the record, unless places
-        // are passed at many speeds.
-        let shortest = (0.2 * step).max(span * 1e-4);
-        let longest = (span / LONGEST_SHARE).max(2.0 * shortest);
-        let longest_to_and_fro = context
-            .goes_back_and_forth()
-            .then_some((span / LONGEST_SHARE_TO_AND_FRO).max(longest));
-        let begun_longer = options.search.start().is_some_and(|s| s.length > longest);
-        let longest = longest_to_and_fro
-            .filter(|_| begun_longer)
-            .unwrap_or(longest);
-        let lengths = (shortest, longest);
-        let bounds = vec![
-            ((absolute * 1e-5).ln(), (absolute * 4.0).ln()),
-            ((relative * 1e-4).ln(), (relative * 6.0).ln()),
-            ((relative * 1e-4).ln(), (relative * 6.0).ln()),
-            (lengths.0.ln(), lengths.1.ln()),
-            (0.0, 0.0),
-            (SMOOTHINGS.0.ln(), SMOOTHINGS.1.ln()),
-        ];
-        let wanders = options.wanders && options.search.start().is_some_and(|s| s.wander > 0.0);
-        let own_length = options.search.start().map_or(1.0, |s| s.plate_ratio) != 1.0;
-        Self {
-            bounds,
-            wanders: false,
-            wander_times_s: wander_times_s(context),
-            more: More::Smoothing,
-            plate,
-            sampling: context.sampling(),
-            relative,
-            absolute,
-            starts: 0,
-            lengths,
-            longest_plate: span / LONGEST_PLATE_SHARE,
-            longest_to_and_fro,
-        }
-        .counting(options)
-        .wandering_if(wanders)
-        .with(if own_length {
-            More::PlateRatio
-        } else {
-            More::Smoothing
-        })
-    }
-
-    /// The same where the force channel wanders.
-    pub(super) fn wandering_if(mut self, wanders: bool) -> Self {
-        if wanders && !self.wanders {
-            let (shortest, longest) = self.wander_times_s;
-            let sizes = self.bounds[SENSOR];
-            let times = (shortest.ln(), longest.ln());
-            self.bounds.splice(WANDER..WANDER, [sizes, times]);
-            self.wanders = true;
-        }
-        self
-    }
-
-    /// Place of the further coordinate in a point.
-    pub(super) fn further_place(&self) -> usize {
-        if self.wanders {
-            WANDER_TIME + 1
-        } else {
-            WANDER
-        }
-    }
-
-    /// Whether a point has no further coordinate.
-    fn is_exponential(&self, point: &[f64]) -> bool {
-        point.len() == self.further_place()
-    }
-
-    /// The same with another further coordinate.
-    pub(super) fn with(mut self, more: More) -> Self {
-        self.more = more;
-        let place = self.further_place();
-        self.bounds[place] = match more {
-            More::Smoothing => (SMOOTHINGS.0.ln(), SMOOTHINGS.1.ln()),
-            More::PlateRatio => (-MOST_RATIO.ln(), MOST_RATIO.ln()),
-        };
-        self
-    }
-
-    /// Whether a point has one smoothing for both roughnesses.
-    pub(super) fn is_smooth(&self, point: &[f64]) -> bool {
-        self.more == More::Smoothing && point.len() == self.further_place() + 1
-    }
-
-    /// The same with longer roughness, where the record allows for it and `found` lies on the bound.
-    pub(super) fn reaching_further(&self, found: &[f64]) -> Option<Self> {
-        let longest = self.longest_to_and_fro?.ln();
-        let bound = self.bounds[LENGTH].1;
-        let bent = found[LENGTH] > bound - ON_BOUND && longest > bound + ON_BOUND;
-        bent.then(|| {
-            let mut further = self.clone();
-            further.bounds[LENGTH].1 = longest;
-            further
-        })
-    }
-
-    fn counting(mut self, options: &EstimateOptions) -> Self {
-        self.starts = if options.search.start().is_some() {
-            0
-        } else {
-            8
-        };
-        self
-    }
-
-    pub(super) fn sizes(&self, x: &[f64]) -> Sizes {
-        let more = |kind: More| x.get(self.further_place()).filter(|_| self.more == kind);
-        let wander = |k: usize| x.get(k).filter(|_| self.wanders).map(|w| w.exp());
-        let length = x[LENGTH].exp();
-        let ratio = more(More::PlateRatio).map_or(1.0, |s| s.exp());
-        let longest = (self.longest_plate / length).max(1.0);
-        Sizes {
-            sensor: x[SENSOR].exp(),
-            wander: wander(WANDER).unwrap_or(Sizes::NONE.wander),
-            wander_time_s: wander(WANDER_TIME).unwrap_or(Sizes::NONE.wander_time_s),
-            private: x[PRIVATE].exp(),
-            plate: if self.plate { x[PLATE].exp() } else { 0.0 },
-            length,
-            smoothing: more(More::Smoothing).map_or(0.0, |s| s.exp()),
-            plate_ratio: ratio.min(longest),
-            plate_smoothing: x.get(self.further_place() + 1).map_or(0.0, |s| s.exp()),
-            scatter: 0.0,
-        }
-    }
-
-    /// Spacing of the plate's grid at a point, m (or rad).
-    pub(super) fn spacing(&self, x: &[f64]) -> f64 {
-        self.sizes(x).node_spacing(self.sampling)
-    }
-
-    /// That of a coarse grid; it too has some nodes in each length.
-    pub(super) fn coarse(&self, x: &[f64]) -> f64 {
-        /// Nodes per correlation length.
-        const FEWEST: f64 = 3.0;
-        let spacing = self.spacing(x);
-        let coarsest = self.sizes(x).plate_length() / FEWEST;
-        (COARSE * spacing).min(coarsest).max(spacing)
-    }
-
-    /// The likeliest sizes from a start that has the smoothing or has it not; one that is far from them is first brought near on a
-    /// coarse grid.
-    pub(super) fn search(
-        &self,
-        criterion: &Criterion<'_>,
-        mut start: Vec<f64>,
-        search: Search,
-        evaluations: &mut usize,
-    ) -> search::Minimum {
-        let far = search.start().is_none();
-        let mut bounds = self.bounds.clone();
-        bounds.truncate(start.len());
-        let mut again = true;
-        loop {
-            let begun = start.clone();
-            let spacing = self.spacing(&start);
-            let on = |spacing: f64| move |x: &[f64]| criterion.value(&self.sizes(x), spacing);
-            let mut inverse = criterion.inverse_curvature(|x| self.sizes(x), &start);
-            if far {
-                let near = self.on_grid(criterion, &start, self.coarse(&start), NEAR);
-                *evaluations += near.evaluations;
-                if search == Search::Near {
-                    return near;
-                }
-                (start, inverse) = (near.point, Some(near.inverse));
-            }
-            let found = search::minimise(&on(spacing), &start, inverse, &bounds, TO_THE_END);
-            *evaluations += found.evaluations;
-            // The grid's spacing follows the sizes: search again only where the length or the grid moved far, and once.
-            let length = |x: &[f64]| self.sizes(x).plate_length();
-            let far_apart = |a: f64, b: f64| (a / b).ln().abs() > 0.7;
-            let moved = far_apart(length(&found.point), length(&begun))
-                || far_apart(self.spacing(&found.point), spacing);
-            if !moved || !again {
-                return found;
-            }
-            start = found.point;
-            again = false;
-        }
-    }
-
-    /// The likeliest sizes on one grid.
-    pub(super) fn near(
-        &self,
-        criterion: &Criterion<'_>,
-        start: &[f64],
-        spacing: f64,
-    ) -> search::Minimum {
-        self.on_grid(criterion, start, spacing, TO_THE_END)
-    }
-
-    /// The same as far as steps are worthwhile.
-    pub(super) fn on_grid(
-        &self,
-        criterion: &Criterion<'_>,
-        start: &[f64],
-        spacing: f64,
-        worthwhile: f64,
-    ) -> search::Minimum {
-        let bounds = &self.bounds[..start.len()];
-        let on_grid = |x: &[f64]| criterion.value(&self.sizes(x), spacing);
-        let inverse = criterion.inverse_curvature(|x| self.sizes(x), start);
-        search::minimise(&on_grid, start, inverse, bounds, worthwhile)
-    }
-
-    /// The former sizes, or the best of a coarse grid over length and share of the sensor noise.
-    fn best_start(&self, criterion: &Criterion<'_>, options: &EstimateOptions) -> Vec<f64> {
-        if let Some(s) = options.search.start() {
-            let log = |x: f64, k: usize| {
-                let (lo, hi) = self.bounds[k];
-                x.max(f64::MIN_POSITIVE).ln().clamp(lo + 2.0, hi)
-            };
-            let mut start = vec![
-                log(s.sensor, SENSOR),
-                log(s.private, PRIVATE),
-                log(s.plate, PLATE),
-                s.length
-                    .ln()
-                    .clamp(self.bounds[LENGTH].0, self.bounds[LENGTH].1),
-            ];
-            if self.wanders {
-                start.push(log(s.wander, WANDER));
-                let (shortest, longest) = self.bounds[WANDER_TIME];
-                start.push(s.wander_time_s.ln().clamp(shortest, longest));
-            }
-            if self.more == More::PlateRatio {
-                let (least, most) = self.bounds[self.further_place()];
-                start.push(s.plate_ratio.ln().clamp(least, most));
-            } else if s.smoothing > 0.0 {
-                start.push(s.smoothing.ln());
-                if s.plate_smoothing > 0.0 {
-                    start.push(s.plate_smoothing.ln());
-                }
-            }
-            return start;
-        }
-        let (short, long) = self.lengths;
-        let mut points = Vec::new();
-        for i in 0..4 {
-            let length = (short * (0.7 * long / short).powf((i as f64 + 0.5) / 4.0)).max(short);
-            for share in [0.05_f64, 0.5] {
-                points.push(vec![
-                    (self.absolute * share).ln(),
-                    (self.relative * 0.6).ln(),
-                    (self.relative * 0.6).ln(),
-                    length.ln(),
-                ]);
-            }
-        }
-        let values: Vec<f64> = points
-            .par_iter()
-            .map(|x| criterion.value(&self.sizes(x), self.coarse(x)))
-            .collect();
-        let best = (0..points.len()).min_by(|&a, &b| values[a].total_cmp(&values[b]));
-        points.swap_remove(best.unwrap_or(0))
-    }
-
-    /// Where nearly all roughness has ended in plate or runs: the likeliest sizes from both sharing it, if those are likelier. Along the
-    /// logarithm of a part that is next to nothing no slope leads back, and a long first step may have led there.
-    fn shared_out(
-        &self,
-        criterion: &Criterion<'_>,
-        found: &search::Minimum,
-        evaluations: &mut usize,
-    ) -> Option<search::Minimum> {
-        let (plate, private) = (found.point[PLATE], found.point[PRIVATE]);
-        if !self.plate || (plate - private).abs() < -LOST.ln() {
-            return None;
-        }
-        let mut start = found.point.clone();
-        let half = plate.max(private) - 0.5 * 2.0_f64.ln();
-        (start[PLATE], start[PRIVATE]) = (half, half);
-        let sizes = self.sizes(&found.point);
-        *evaluations += 1;
-        if criterion.value(&self.sizes(&start), self.spacing(&found.point)) > found.value {
-            return None;
-        }
-        let again = self.search(criterion, start, Search::Onward(sizes), evaluations);
-        (again.value < found.value).then_some(again)
-    }
-
-    /// A part without which the data are as likely is zero, and exactly so.
-    fn without_invisible(
-        &self,
-        criterion: &Criterion<'_>,
-        sizes: Sizes,
-        spacing: f64,
-        value: f64,
-    ) -> Sizes {
-        /// Share of the whole residual below which a part may be nothing.
-        const SMALL: f64 = 0.05;
-        let is_small = |part: f64, scale: f64| part > 0.0 && part < SMALL * scale;
-        let mut kept = sizes;
-        let mut try_without = |small: bool, drop_part: fn(Sizes) -> Sizes| {
-            let without = drop_part(kept);
-            if small && criterion.value(&without, spacing) < value + 0.02 {
-                kept = without;
-            }
-        };
-        try_without(is_small(sizes.plate, self.relative), |s| Sizes {
-            plate: 0.0,
-            ..s
-        });
-        try_without(is_small(sizes.private, self.relative), |s| Sizes {
-            private: 0.0,
-            ..s
-        });
-        try_without(is_small(sizes.wander, self.absolute), |s| Sizes {
-            wander: 0.0,
-            ..s
-        });
-        kept
-    }
 }

@@ -3,7 +3,8 @@
 
 use rayon::prelude::*;
 
-use super::estimate::{Frame, LENGTH, More, PLATE, PRIVATE, SENSOR, Search};
+use super::estimate::Search;
+use super::frame::{Frame, LENGTH, More, PLATE, PRIVATE, SENSOR};
 use super::restricted::Criterion;
 use super::search::{Minimum, NEAR};
 

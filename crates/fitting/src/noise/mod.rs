@@ -25,6 +25,7 @@ mod channel;
 mod context;
 mod curvature;
 mod estimate;
+mod frame;
 mod further;
 mod lag;
 mod plate;
