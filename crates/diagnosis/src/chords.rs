@@ -83,7 +83,7 @@ fn nearer(other: &Bench<'_>, subset: &Subset, stand: &Stand) -> bool {
 }
 
 /// -2 log likelihood with each name paid for.
-fn worth(selected: &Selected) -> f64 {
+pub(crate) fn worth(selected: &Selected) -> f64 {
     let names = selected.stand.fitted.effects.len() as f64;
     selected.stand.deviance - 2.0 * strict(&selected.first) * names
 }

@@ -111,7 +111,11 @@ fn recover(
     let next = settle(bench, subset, &fit, found)?;
     let saved = stand.deviance - next.deviance;
     // Where roughness stands high over whole bands of wavelengths a line there saves as much more.
-    let evidence = saved.max(0.0) / suspect.score.background;
+    let background = match std::ptr::eq(stand, beside) {
+        true => suspect.score.background,
+        false => background_under(bench, subset, stand, (cause, next.sizes)),
+    };
+    let evidence = saved.max(0.0) / background;
     let search = suspect.log_p - suspect.score.log_p;
     let asked = bench.catalogue[cause].sizes().len();
     Some(Recovered {
@@ -119,4 +123,19 @@ fn recover(
         saved,
         stand: next,
     })
+}
+
+/// How high a spectrum of the plate stands about its largest line, under the noise with which the line was settled: under the smaller one
+/// beside which it was found all wavelengths stand high.
+fn background_under(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    (cause, sizes): (usize, Sizes),
+) -> f64 {
+    let under = Stand::new(bench, subset, stand.fitted.clone(), sizes);
+    let lines = of_the_plate(bench, subset, &under).candidates;
+    let of_the_cause = lines.iter().filter(|line| line.cause == cause);
+    let backgrounds = of_the_cause.map(|line| line.score.background);
+    backgrounds.fold(1.0, f64::max)
 }

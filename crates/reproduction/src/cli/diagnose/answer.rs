@@ -102,10 +102,13 @@ fn parameter(parameter: &Estimate) {
 }
 
 fn gained(gain: &Gain, unit: &str) -> String {
+    let (before, after) = (gain.held_out_rmse_before, gain.held_out_rmse_after);
+    // The share weighs errors by the noise; the plain error may rise all the same.
+    let goes = if after > before { "rises" } else { "falls" };
     let errors = format!(
-        "on runs left out the error falls from {}{unit} to {}{unit}",
-        significant(gain.held_out_rmse_before),
-        significant(gain.held_out_rmse_after)
+        "on runs left out the error {goes} from {}{unit} to {}{unit}",
+        significant(before),
+        significant(after)
     );
     let percent = |share: f64| format!("{:.0} %", 100.0 * share);
     match (gain.explained_fraction, gain.ci95) {
