@@ -6,7 +6,7 @@
 //! the field's own spread. The spread's tails are taken from all marks that are asked for, as Student's t with the freedom that their
 //! quantiles show; but a mark that stands out of all others as none of such a tail would is no part of it.
 //!
-//! A mark makes the plate look rougher than it is. The strongest one is weighed again with the noise estimated beside it, by
+//! A mark makes the plate look rougher than it is, so much that it may not be seen any more. The strongest one is weighed again with the noise estimated beside it, by
 //! what its likelihood gains, each model under its own noise.
 
 use fitting::noise::Sizes;
@@ -24,6 +24,8 @@ use crate::tail::{log_chi2_tail, normal_deviate};
 
 /// Standard deviations of the strongest mark from which the noise is estimated beside it.
 const SUSPECT: f64 = 3.0;
+/// The same where the plate is so many times rougher than the runs.
+const ROUGHER: f64 = 1.25;
 /// Roughness of the plate beside which its place is sought, as a share of the smaller one of plate and runs.
 const SHARP: f64 = 0.25;
 /// Freedom of the tails: heavier than with the first no mark can be told from the roughness, from the last on they are normal.
@@ -82,7 +84,7 @@ pub(crate) fn strongest(
             columns: 1,
         },
     );
-    if best.z.abs() < SUSPECT || stand.sizes.plate <= 0.0 {
+    if !is_suspect(best, stand.sizes) {
         return Some(seen);
     }
     let closer = search.beside_its_own_noise(bench, subset, stand);
@@ -90,6 +92,12 @@ pub(crate) fn strongest(
         Some(closer) if closer.explained > seen.explained => closer,
         _ => seen,
     })
+}
+
+/// Whether the strongest mark is worth a noise of its own: it is seen, or the plate is so rough that it may hide it.
+fn is_suspect(best: Scored, sizes: Sizes) -> bool {
+    let is_hidden = sizes.plate > ROUGHER * sizes.private;
+    sizes.plate > 0.0 && (best.z.abs() >= SUSPECT || is_hidden)
 }
 
 /// A mark with its signed deviate.

@@ -26,11 +26,25 @@ pub(crate) fn select_with_noise<'a>(bench: &mut Bench<'a>) -> Option<Chosen<'a>>
     bench.tell(|| format!("{what}; asking again without"));
     bench.may_wander = false;
     let without = select_with_motions(bench);
-    if is_in_doubt || is_likelier(&without, &chosen.selected) {
+    let stands = without
+        .as_ref()
+        .is_none_or(|without| stands(&without.selected, &chosen.selected, is_in_doubt));
+    if stands {
         return without;
     }
     bench.may_wander = true;
     Some(chosen)
+}
+
+/// Whether the answer without a wander stands, and not that with one: what it names where something is left beside the wander; else if it is the
+/// likelier of the two, and of names only where nothing is left beside them.
+fn stands(without: &Selected, with: &Selected, is_in_doubt: bool) -> bool {
+    let is_named = |selected: &Selected| !selected.stand.fitted.effects.is_empty();
+    let is_likelier = worth(without) < worth(with);
+    match is_in_doubt {
+        true => is_named(with) || is_named(without) || is_likelier,
+        false => is_likelier && is_named(without) && !is_left(without),
+    }
 }
 
 /// Whether something is left where the noise holds a wander, or held one beside the law alone: what came in beside it came in under its noise.
@@ -47,12 +61,4 @@ fn is_left(selected: &Selected) -> bool {
 /// Whether a wander is all that there is beside the law.
 fn is_wander_alone(selected: &Selected) -> bool {
     selected.stand.sizes.wander > 0.0 && selected.stand.fitted.effects.is_empty()
-}
-
-/// Whether what is named without a wander leaves nothing and is likelier than the wander.
-fn is_likelier(without: &Option<Chosen<'_>>, wander: &Selected) -> bool {
-    without.as_ref().is_some_and(|Chosen { selected, .. }| {
-        let is_named = !selected.stand.fitted.effects.is_empty();
-        is_named && !is_left(selected) && worth(selected) < worth(wander)
-    })
 }
