@@ -206,7 +206,7 @@ fn a_wandering_amplifier_is_no_cause() {
 fn a_lag_is_not_taken_for_a_wander() {
     let case = Case::one("sensor-lag", 1.0, Protocol::PaperBlocked, 9_003_268);
     let lag = trial(Group::Single, case.of_specimen(9_500_002), 5.0, None);
-    assert_none(&complaints(&[lag], &[Verdict::Right]));
+    assert_none(&complaints(&[lag], &[Verdict::Right, Verdict::Tight]));
 }
 
 /// Smooth roughness of the plate takes up a texture, and what is left of it is little beside a strong lag.
@@ -215,7 +215,7 @@ fn a_texture_is_found_beside_a_strong_lag_and_a_wander() {
     let pair = Case::nothing(Protocol::Rich, NoiseKind::Amplifier, SEED + 680)
         .with("sensor-lag", 1.0, false)
         .with("surface-texture", 1.0, false);
-    let pair = trial(Group::Pair, pair, 10.0, None);
+    let pair = trial(Group::Pair, pair, 5.0, None);
     assert_none(&complaints(&[pair], &[Verdict::Right]));
 }
 
