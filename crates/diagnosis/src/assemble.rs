@@ -42,13 +42,13 @@ pub(crate) fn assemble(
     let gate = selected.gate_log_p < (ALPHA_NAME + ALPHA_GENERAL).ln();
     // What a named cause's shape may be wrong by is no structure of its own.
     let explained = (selected.baseline.deviance - selected.stand.deviance).max(0.0);
-    let beyond_shape = selected.stand.fitted.effects.is_empty()
+    let beyond_shape = selected.names_nothing()
         || selected
             .left
             .excess
             .max(equivalent_z(selected.left.log_p).powi(2))
             > SHAPE_TOLERANCE.powi(2) * explained;
-    let detected = gate && beyond_shape && selected.left.log_p < ALPHA_GENERAL.ln();
+    let detected = gate && beyond_shape && selected.leaves_something();
     let status = if detected {
         Status::Unexplained
     } else if findings.iter().any(|f| !f.equivalent.is_empty()) {

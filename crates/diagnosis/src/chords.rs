@@ -8,7 +8,7 @@
 use rig::Experiment;
 
 use crate::bench::{Bench, Fitted};
-use crate::selection::{Depth, Selected, Start, select, strict};
+use crate::selection::{Depth, Selected, Start, select};
 use crate::stand::Stand;
 use crate::subset::Subset;
 
@@ -48,7 +48,7 @@ pub(crate) fn select_with_motions<'a>(bent: &Bench<'a>) -> Option<Chosen<'a>> {
         bent.tell(|| "asking again with other motions between the samples".to_owned());
         ask(second)
     });
-    let likelier = (other.flatten()).filter(|other| worth(other) < worth(&selected));
+    let likelier = (other.flatten()).filter(|other| other.worth() < selected.worth());
     let is_straight = is_straight != likelier.is_some();
     Some(Chosen {
         selected: likelier.unwrap_or(selected),
@@ -80,12 +80,6 @@ fn nearer(other: &Bench<'_>, subset: &Subset, stand: &Stand) -> bool {
     let fit = other.fit(subset, effects, parameters, &noise, None, STEPS);
     let deviance = fit.map(|fit| stand.deviance_of(other, subset, &fit));
     deviance.is_some_and(|deviance| deviance < stand.deviance - PLAIN)
-}
-
-/// -2 log likelihood with each name paid for.
-pub(crate) fn worth(selected: &Selected) -> f64 {
-    let names = selected.stand.fitted.effects.len() as f64;
-    selected.stand.deviance - 2.0 * strict(&selected.first) * names
 }
 
 impl<'a> Bench<'a> {

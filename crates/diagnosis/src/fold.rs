@@ -153,7 +153,7 @@ fn keeps_names(bench: &Bench<'_>, mut own: Selected, warm: &Warm) -> bool {
     }
     own.left = lack(bench, &own.subset, &own.stand);
     take_back(bench, &mut own);
-    !own.stand.fitted.effects.is_empty()
+    !own.names_nothing()
 }
 
 /// The law that an extension is judged against: the one that was fitted, or, where the names are its own parameters, as a model from

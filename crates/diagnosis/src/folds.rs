@@ -52,7 +52,7 @@ pub(crate) fn folds(bench: &Bench<'_>, whole: &Whole<'_>, selected: &Selected) -
 /// is named.
 fn most_shown(bench: &Bench<'_>, selected: &Selected, conditions: &[Vec<usize>]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..conditions.len()).collect();
-    if selected.stand.fitted.effects.is_empty() || conditions.len() > MOST_CONDITIONS {
+    if selected.names_nothing() || conditions.len() > MOST_CONDITIONS {
         return order;
     }
     let noise = selected.stand.likely_noise();

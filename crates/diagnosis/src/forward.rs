@@ -137,12 +137,12 @@ impl<'a, 'b> Forward<'a, 'b> {
     /// What a round may take in, and the tail probability below which causes were asked; `None` where nothing further is seen.
     fn propose(&self, round: usize, stand: &Stand, found: &Scan) -> Option<(Proposal, f64)> {
         let top = found.candidates.first()?;
-        let matters = !cannot_matter(round, found, self.explained);
+        let idle = cannot_matter(round, found, self.explained);
         let (bench, subset) = (self.bench, &self.subset);
         let (admitted, strict) = (self.admitted(round), strict(&self.first));
         // The first round asks all that come near; later ones must pass on their own.
         let threshold = if top.log_p > strict { admitted } else { strict };
-        let proposal = if top.log_p > admitted || !matters {
+        let proposal = if top.log_p > admitted || idle {
             swallowed(bench, subset, stand, found, self.warm).map(Proposal::from)
         } else {
             let seen = Seen {

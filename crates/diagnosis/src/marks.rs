@@ -6,8 +6,8 @@
 //! the field's own spread. The spread's tails are taken from all marks that are asked for, as Student's t with the freedom that their
 //! quantiles show; but a mark that stands out of all others as none of such a tail would is no part of it.
 //!
-//! A mark makes the plate look rougher than it is, so much that it may not be seen any more. The strongest one is weighed again with the noise estimated beside it, by
-//! what its likelihood gains, each model under its own noise.
+//! A mark makes the plate look rougher than it is, so much that it may not be seen any more. The strongest one is weighed again with the
+//! noise estimated beside it, by what its likelihood gains, each model under its own noise.
 
 use fitting::noise::Sizes;
 use rayon::prelude::*;

@@ -10,9 +10,7 @@ use crate::left::lack;
 use crate::look_back::fitted_without;
 use crate::marks;
 use crate::scan::Scan;
-use crate::selection::{
-    ALPHA_GENERAL, ALPHA_NAME, MOST_EFFECTS, SHAPE_TOLERANCE, Selected, Single, strict,
-};
+use crate::selection::{ALPHA_NAME, MOST_EFFECTS, SHAPE_TOLERANCE, Selected, Single, strict};
 use crate::settled::settle;
 use crate::stand::Stand;
 use crate::subset::Subset;
@@ -178,7 +176,7 @@ pub(crate) fn take_all_back(bench: &Bench<'_>, selected: &mut Selected) {
 /// a gradient, three quarters of it. A cause that varies along the plate must moreover be likelier than the best mark there is, since beside
 /// roughness that may take up what remains a gradient explains all of a step.
 fn refuse_beside_mark(bench: &Bench<'_>, selected: &mut Selected, worth: f64) {
-    if selected.stand.fitted.effects.is_empty() {
+    if selected.names_nothing() {
         return;
     }
     let law = &selected.baseline;
@@ -249,7 +247,7 @@ fn back_to_the_law(
 
 /// Where something is left that nothing explains: only causes that explain most of it stay named.
 fn keep_dominant(bench: &Bench<'_>, selected: &mut Selected) {
-    if selected.stand.fitted.effects.is_empty() || selected.left.log_p > ALPHA_GENERAL.ln() {
+    if selected.names_nothing() || !selected.leaves_something() {
         return;
     }
     let explained = selected.baseline.deviance - selected.stand.deviance;

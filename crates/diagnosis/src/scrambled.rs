@@ -14,7 +14,7 @@ const PLACEBOS: usize = 19;
 
 /// The fitted effects with their course along each run shifted round and their sign drawn, from fixed seeds.
 pub(crate) fn scrambled(bench: &Bench<'_>, selected: &Selected, shifted: bool) -> Vec<Vec<f64>> {
-    if selected.stand.fitted.effects.is_empty() {
+    if selected.names_nothing() {
         return Vec::new();
     }
     let effect: Vec<f64> = selected

@@ -106,6 +106,22 @@ pub(crate) struct Warm {
 }
 
 impl Selected {
+    /// Whether no cause is named.
+    pub(crate) fn names_nothing(&self) -> bool {
+        self.stand.fitted.effects.is_empty()
+    }
+
+    /// Whether something is left that nothing explains.
+    pub(crate) fn leaves_something(&self) -> bool {
+        self.left.log_p < ALPHA_GENERAL.ln()
+    }
+
+    /// -2 log likelihood with each name paid for.
+    pub(crate) fn worth(&self) -> f64 {
+        let names = self.stand.fitted.effects.len() as f64;
+        self.stand.deviance - 2.0 * strict(&self.first) * names
+    }
+
     /// Tail probability of the plainest of the named causes; 0 (its logarithm) without any.
     pub(crate) fn seen(&self) -> f64 {
         self.entry_log_p.iter().copied().fold(0.0, f64::min)

@@ -40,8 +40,9 @@ pub(crate) fn swallowed(
     if stand.sizes.plate <= 0.0 {
         return None;
     }
+    let own = |suspect: &Candidate, _: &Stand| suspect.score.background;
     let seen = under_suspicion(bench, found)
-        .filter_map(|suspect| recover(bench, subset, stand, (stand, found), suspect));
+        .filter_map(|suspect| recover(bench, subset, stand, (stand, found), suspect, own));
     let rough = match warm {
         Some(warm) => names_the_plate(bench, warm).then_some(warm.sizes),
         None => as_rough_as_its_runs(stand.sizes),
@@ -50,8 +51,11 @@ pub(crate) fn swallowed(
         let rough = Stand::new(bench, subset, stand.fitted.clone(), sizes);
         let found = of_the_plate(bench, subset, &rough);
         let begun = (&rough, &found.with_sizes(None));
+        let settled = |suspect: &Candidate, next: &Stand| {
+            background_under(bench, subset, stand, (suspect.cause, next.sizes))
+        };
         under_suspicion(bench, &found)
-            .filter_map(|suspect| recover(bench, subset, stand, begun, suspect))
+            .filter_map(|suspect| recover(bench, subset, stand, begun, suspect, settled))
             .max_by(|a, b| a.saved.total_cmp(&b.saved))
     });
     seen.chain(beside_rough)
@@ -98,24 +102,21 @@ fn of_the_plate(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Scan {
     scan_without(bench, subset, stand, scatter, &others)
 }
 
-/// A suspect seen beside one stand, fitted there and settled; what it saves beside the stand as it is.
+/// A suspect seen beside one stand, fitted there and settled; what it saves beside the stand as it is. Where roughness stands high over whole
+/// bands of wavelengths, `background` times, a line there saves as much more.
 fn recover(
     bench: &Bench<'_>,
     subset: &Subset,
     stand: &Stand,
     (beside, found): (&Stand, &Scan),
     suspect: &Candidate,
+    background: impl Fn(&Candidate, &Stand) -> f64,
 ) -> Option<Recovered> {
     let fits = joint_fits(bench, subset, beside, &[suspect], 2, &[]);
     let (cause, fit, _) = fits.into_iter().next()?;
     let next = settle(bench, subset, &fit, found)?;
     let saved = stand.deviance - next.deviance;
-    // Where roughness stands high over whole bands of wavelengths a line there saves as much more.
-    let background = match std::ptr::eq(stand, beside) {
-        true => suspect.score.background,
-        false => background_under(bench, subset, stand, (cause, next.sizes)),
-    };
-    let evidence = saved.max(0.0) / background;
+    let evidence = saved.max(0.0) / background(suspect, &next);
     let search = suspect.log_p - suspect.score.log_p;
     let asked = bench.catalogue[cause].sizes().len();
     Some(Recovered {

@@ -8,8 +8,8 @@
 use fitting::noise::Sizes;
 
 use crate::bench::Bench;
-use crate::chords::{Chosen, select_with_motions, worth};
-use crate::selection::{ALPHA_GENERAL, Selected};
+use crate::chords::{Chosen, select_with_motions};
+use crate::selection::Selected;
 
 /// The selection with the motions that the force prefers, and with a wander if nothing is left beside it and it is likelier than what is
 /// named without; the bench is then the one that was asked. `None` where the law itself cannot be computed.
@@ -39,11 +39,10 @@ pub(crate) fn select_with_noise<'a>(bench: &mut Bench<'a>) -> Option<Chosen<'a>>
 /// Whether the answer without a wander stands, and not that with one: what it names where something is left beside the wander; else if it is the
 /// likelier of the two, and of names only where nothing is left beside them.
 fn stands(without: &Selected, with: &Selected, is_in_doubt: bool) -> bool {
-    let is_named = |selected: &Selected| !selected.stand.fitted.effects.is_empty();
-    let is_likelier = worth(without) < worth(with);
+    let is_likelier = without.worth() < with.worth();
     match is_in_doubt {
-        true => is_named(with) || is_named(without) || is_likelier,
-        false => is_likelier && is_named(without) && !is_left(without),
+        true => is_likelier || !(with.names_nothing() && without.names_nothing()),
+        false => is_likelier && !without.names_nothing() && !without.leaves_something(),
     }
 }
 
@@ -51,14 +50,10 @@ fn stands(without: &Selected, with: &Selected, is_in_doubt: bool) -> bool {
 fn is_in_doubt(selected: &Selected) -> bool {
     let wanders = |sizes: Sizes| sizes.wander > 0.0;
     let wandered = wanders(selected.stand.sizes) || selected.first.sizes.is_some_and(wanders);
-    wandered && is_left(selected)
-}
-
-fn is_left(selected: &Selected) -> bool {
-    selected.left.log_p < ALPHA_GENERAL.ln()
+    wandered && selected.leaves_something()
 }
 
 /// Whether a wander is all that there is beside the law.
 fn is_wander_alone(selected: &Selected) -> bool {
-    selected.stand.sizes.wander > 0.0 && selected.stand.fitted.effects.is_empty()
+    selected.stand.sizes.wander > 0.0 && selected.names_nothing()
 }

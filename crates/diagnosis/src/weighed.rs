@@ -30,7 +30,7 @@ use nalgebra::DMatrix;
 use crate::bench::Bench;
 use crate::floor;
 use crate::fold::Fold;
-use crate::selection::{ALPHA_GENERAL, Selected};
+use crate::selection::Selected;
 use crate::subset::Subset;
 use crate::whole::Whole;
 
@@ -61,7 +61,7 @@ impl<'a> Weighed<'a> {
         selected: &'a Selected,
         folds: &[Fold],
     ) -> Option<Self> {
-        if whole.apart || selected.left.log_p < ALPHA_GENERAL.ln() {
+        if whole.apart || selected.leaves_something() {
             return None;
         }
         let (stand, subset) = (&selected.stand, &selected.subset);

@@ -60,7 +60,8 @@ impl Scales {
 
     /// A law's parameters with bounds and typical sizes that fit this campaign and units that fit its rig.
     ///
-    /// Bounds are wide: five decades about the size that speed, travel and friction suggest; angles keep theirs.
+    /// Bounds are wide: five decades about the size that speed, travel and friction suggest; angles keep theirs. A state may be so stiff that
+    /// friction jumps within the first thousandth of a sample's way, or a rig without a stretch before sliding had no law with a state.
     pub fn law_parameters(&self, law: LawKind, axis: Axis, has_load: bool) -> Vec<ParameterSpec> {
         law.parameters()
             .iter()
@@ -78,7 +79,7 @@ impl Scales {
             ("1", false) => (0.5 * mu, 1e-4, 40.0, true),
             ("m/s", false) => (0.1 * v, 1e-4, 1e2, false),
             ("s/m", false) => (0.1 * mu / v, 0.0, 1e4, true),
-            ("1/m", false) => (1e2 * mu / x, 1e-4, 1e5, true),
+            ("1/m", false) => (1e2 * mu / x, 1e-4, 1e10, true),
             ("1/rad", true) => (mu, 1e-3, 1e3, true),
             ("s/rad", true) => (0.01 * mu / rate, 0.0, 1e4, true),
             ("rad/s", true) => (0.2 * rate, 1e-3, 1e2, false),
