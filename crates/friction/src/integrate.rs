@@ -200,6 +200,35 @@ mod tests {
         }
     }
 
+    /// A state so stiff that it follows its level g(v) / sigma0, along a motion that slows down to rest in one stretch: at rest nothing moves
+    /// the state, but the step that ends there is as stiff as its start.
+    #[test]
+    fn a_stiff_state_follows_its_level_to_rest() {
+        let time: Vec<f64> = (0..420).map(|i| f64::from(i) / 70.0).collect();
+        let up_and_down = |i: i32| f64::from(if i < 210 { i } else { 419 - i });
+        for (fastest, sigma0) in [(0.07, 1e7), (0.3, 1e7), (0.07, 1e10)] {
+            let velocity: Vec<f64> = (0..420).map(|i| fastest / 209.0 * up_and_down(i)).collect();
+            let record = Record {
+                time_s: &time,
+                velocity: &velocity,
+                curve_speed: None,
+                viscous_speed: None,
+                rest_gain: None,
+                knots: &[0, 209, 210, 419],
+            };
+            let law = LawKind::Lugre
+                .build(&[0.3, 0.4, 0.008, sigma0, 80.0, 2.0], None)
+                .expect("complete");
+            let states = integrate(&law, &record, 0.0).expect("finite");
+            // the first sample is at rest and the second within reach of it
+            for (z, v) in states.iter().zip(&velocity).skip(2) {
+                let level = 0.3 + 0.1 * (-(v / 0.008_f64).powi(2)).exp();
+                let off = sigma0 * z - level;
+                assert!(off.abs() < 1e-4, "{off:e} at {v} m/s");
+            }
+        }
+    }
+
     /// A state far above its level: what rounding leaves of it is beyond the bound on the error, whatever the step.
     #[test]
     fn a_bound_below_rounding_ends_in_an_error() {

@@ -12,6 +12,9 @@ use crate::{IntegrationError, Law, Record};
 
 /// Above this product of rate and step the quintic is replaced by the collocation polynomial, which does not overshoot.
 const STIFF: f64 = 2.0;
+/// Above this product the state is at its level all along the step, which has no polynomial of degree three: a step so stiff ends at the next
+/// sample, where its error is known.
+const QUASI_STATIC: f64 = 300.0;
 /// Factor by which a step grows at most.
 const FASTEST: f64 = 4.0;
 /// The quintic of a step is continued over as many of its size at most.
@@ -172,6 +175,16 @@ struct Walker<'a> {
     path: &'a mut Path,
 }
 
+/// What a step is taken in: from `to - span` to `to` (s after the stretch's first knot at `t0`) the velocity does not change its sign.
+struct Part<'a> {
+    stretch: &'a Stretch<f64>,
+    to: f64,
+    span: f64,
+    /// Where the next sample lies, at most `to`.
+    sample: f64,
+    t0: f64,
+}
+
 /// A solved step with the law at its end.
 struct Solved {
     h: f64,
@@ -230,19 +243,29 @@ impl Walker<'_> {
         let mut t = from;
         let mut start = self.start(stretch, t, z);
         while t < to {
-            let Solved { h, stages, end } = self.solve(stretch, t, to, &start, to - from, t0)?;
+            let sample = self.next_sample(b, t0).min(to);
+            let part = Part {
+                stretch,
+                to,
+                span: to - from,
+                sample,
+                t0,
+            };
+            let Solved { h, stages, end } = self.solve(&part, t, &start)?;
+            let ends_at = |place: f64| (place - (t + h)).abs() <= 1e-12 * to;
             let step = Step {
                 stretch: index,
                 sign,
                 t,
                 h,
-                end: if to - (t + h) <= 1e-12 * to {
-                    to
-                } else {
-                    t + h
+                end: match t + h {
+                    _ if to - (t + h) <= 1e-12 * to => to,
+                    _ if ends_at(sample) => sample,
+                    end => end,
                 },
                 stages,
-                stiff: end.z.abs() * h > STIFF,
+                // where the motion comes to rest nothing decays any more, but the way there was as stiff as its start
+                stiff: start.slope.abs().max(end.z.abs()) * h > STIFF,
             };
             z = stages[2];
             if !z.is_finite() {
@@ -349,17 +372,30 @@ impl Walker<'_> {
         None
     }
 
-    /// One accepted step.
+    /// The next sample whose state is not known, s after the first knot of the stretch that ends with sample `b`; infinite where all are.
+    fn next_sample(&self, b: usize, t0: f64) -> f64 {
+        let next = self.path.states.len();
+        if next > b {
+            return f64::INFINITY;
+        }
+        self.record.time_s[next] - t0
+    }
+
+    /// One accepted step from `t` on.
     fn solve(
         &mut self,
-        stretch: &Stretch<f64>,
+        part: &Part<'_>,
         t: f64,
-        to: f64,
         start: &Start,
-        span: f64,
-        t0: f64,
     ) -> Result<Solved, IntegrationError> {
         let node = &start.node;
+        let &Part {
+            stretch,
+            to,
+            span,
+            sample,
+            t0,
+        } = part;
         loop {
             let Some(left) = self.left.checked_sub(1) else {
                 return Err(IntegrationError::TooManySteps { time_s: t0 + t });
@@ -375,9 +411,15 @@ impl Walker<'_> {
             let share = self
                 .law
                 .share_to_the_peak(node.z, speed(t), speed(t + free));
-            let h = share * free;
+            let mut h = share * free;
+            if (start.slope * h).abs() > QUASI_STATIC {
+                h = h.min(sample - t);
+            }
             let smallest = h <= SMALLEST * span * 1.01;
             match self.stages(stretch, t, h, start) {
+                Some((_, end)) if end.z.abs() * h > QUASI_STATIC && h > sample - t => {
+                    self.step = sample - t;
+                }
                 Some((stages, end)) => {
                     let sum: f64 = (0..3).map(|i| E[i] * (stages[i] - node.z)).sum();
                     let estimate =

@@ -7,6 +7,10 @@ use crate::features::Features;
 use crate::sliding::SlidingCurve;
 use friction::LawKind;
 
+/// How much stiffer than the record shows a state may be: on a rig without a stretch before sliding what is read off is the way between
+/// two samples, and from there the slope says nothing of a state stiffer still.
+const JUMPS: f64 = 1e4;
+
 /// Starts for the parameters of a law, in the order of [`LawKind::parameters`].
 ///
 /// `height_m` is the gap of the bristle laws; `lean` their theta0 where it is held fixed.
@@ -32,7 +36,7 @@ pub fn starts(
             let near = near.map(|curve| vec![curve.mu_c, curve.mu_s, curve.v_s, curve.sigma2]);
             spread.into_iter().chain(near).collect()
         }
-        LawKind::Dahl => [0.5, 1.0, 2.0]
+        LawKind::Dahl => [0.5, 1.0, 2.0, JUMPS]
             .iter()
             .map(|factor| vec![features.level(), factor * features.stiffness()])
             .collect(),
@@ -49,14 +53,15 @@ pub fn starts(
                     0.5 * features.viscous_slope,
                 ]
             });
-            let near = features.sliding.iter().map(|curve| {
+            let near = features.sliding.iter().flat_map(|curve| {
                 let SlidingCurve {
                     mu_c,
                     mu_s,
                     v_s,
                     sigma2,
                 } = *curve;
-                vec![mu_c, mu_s, v_s, stiffness, damped(0.1), sigma2]
+                [1.0, JUMPS]
+                    .map(|stiffer| vec![mu_c, mu_s, v_s, stiffer * stiffness, damped(0.1), sigma2])
             });
             spread.chain(near).collect()
         }
