@@ -40,9 +40,10 @@ pub(crate) fn swallowed(
     if stand.sizes.plate <= 0.0 {
         return None;
     }
-    let own = |suspect: &Candidate, _: &Stand| suspect.score.background;
-    let seen = under_suspicion(bench, found)
-        .filter_map(|suspect| recover(bench, subset, stand, (stand, found), suspect, own));
+    let seen = under_suspicion(bench, found).filter_map(|suspect| {
+        let background = |_: &Stand| suspect.score.background;
+        recover(bench, subset, stand, (stand, found), suspect, background)
+    });
     let rough = match warm {
         Some(warm) => names_the_plate(bench, warm).then_some(warm.sizes),
         None => as_rough_as_its_runs(stand.sizes),
@@ -51,11 +52,13 @@ pub(crate) fn swallowed(
         let rough = Stand::new(bench, subset, stand.fitted.clone(), sizes);
         let found = of_the_plate(bench, subset, &rough);
         let begun = (&rough, &found.with_sizes(None));
-        let settled = |suspect: &Candidate, next: &Stand| {
-            background_under(bench, subset, stand, (suspect.cause, next.sizes))
+        let recovered = |suspect: &Candidate| {
+            let background =
+                |next: &Stand| background_under(bench, subset, stand, (suspect.cause, next.sizes));
+            recover(bench, subset, stand, begun, suspect, background)
         };
         under_suspicion(bench, &found)
-            .filter_map(|suspect| recover(bench, subset, stand, begun, suspect, settled))
+            .filter_map(recovered)
             .max_by(|a, b| a.saved.total_cmp(&b.saved))
     });
     seen.chain(beside_rough)
@@ -110,13 +113,13 @@ fn recover(
     stand: &Stand,
     (beside, found): (&Stand, &Scan),
     suspect: &Candidate,
-    background: impl Fn(&Candidate, &Stand) -> f64,
+    background: impl Fn(&Stand) -> f64,
 ) -> Option<Recovered> {
     let fits = joint_fits(bench, subset, beside, &[suspect], 2, &[]);
     let (cause, fit, _) = fits.into_iter().next()?;
     let next = settle(bench, subset, &fit, found)?;
     let saved = stand.deviance - next.deviance;
-    let evidence = saved.max(0.0) / background(suspect, &next);
+    let evidence = saved.max(0.0) / background(&next);
     let search = suspect.log_p - suspect.score.log_p;
     let asked = bench.catalogue[cause].sizes().len();
     Some(Recovered {

@@ -16,14 +16,7 @@ fn coefficients<D: Scalar>(
     let law = LawKind::AsymmetricBristle
         .build(parameters, Some(7e-3))
         .expect("complete");
-    let record = Record {
-        time_s: time,
-        velocity,
-        curve_speed: None,
-        viscous_speed: None,
-        rest_gain: None,
-        knots,
-    };
+    let record = Record::of_slip(time, velocity, knots);
     let states = integrate(&law, &record, D::constant(0.0)).expect("finite");
     law.coefficients(&record, &states)
 }

@@ -31,6 +31,20 @@ pub struct Record<'a, D> {
     pub knots: &'a [usize],
 }
 
+impl<'a, D> Record<'a, D> {
+    /// A motion of which nothing but the slip drives the law.
+    pub fn of_slip(time_s: &'a [f64], velocity: &'a [D], knots: &'a [usize]) -> Self {
+        Self {
+            time_s,
+            velocity,
+            curve_speed: None,
+            viscous_speed: None,
+            rest_gain: None,
+            knots,
+        }
+    }
+}
+
 impl<D: Scalar> Record<'_, D> {
     /// What drives the law at sample `i`.
     #[inline]
@@ -181,14 +195,7 @@ mod tests {
                 .build(&[0.5, 0.62, 1.5, 0.1, 0.01, 1.5, lean], Some(7e-3))
                 .expect("complete");
             let velocity: Vec<f64> = time.iter().map(|t| sign * 0.006 * t).collect();
-            let record = Record {
-                time_s: &time,
-                velocity: &velocity,
-                curve_speed: None,
-                viscous_speed: None,
-                rest_gain: None,
-                knots: &[0, 599],
-            };
+            let record = Record::of_slip(&time, &velocity, &[0, 599]);
             let whole = integrate(&law, &record, 0.0).expect("finite");
             let halved = integrate_within(&law, &record, 0.0, TOLERANCE / 16.0).expect("finite");
             let change = whole
@@ -208,14 +215,7 @@ mod tests {
         let up_and_down = |i: i32| f64::from(if i < 210 { i } else { 419 - i });
         for (fastest, sigma0) in [(0.07, 1e7), (0.3, 1e7), (0.07, 1e10)] {
             let velocity: Vec<f64> = (0..420).map(|i| fastest / 209.0 * up_and_down(i)).collect();
-            let record = Record {
-                time_s: &time,
-                velocity: &velocity,
-                curve_speed: None,
-                viscous_speed: None,
-                rest_gain: None,
-                knots: &[0, 209, 210, 419],
-            };
+            let record = Record::of_slip(&time, &velocity, &[0, 209, 210, 419]);
             let law = LawKind::Lugre
                 .build(&[0.3, 0.4, 0.008, sigma0, 80.0, 2.0], None)
                 .expect("complete");
@@ -235,14 +235,7 @@ mod tests {
         let time: Vec<f64> = (0..200).map(|i| f64::from(i) / 100.0).collect();
         let velocity: Vec<f64> = time.iter().map(|t| 0.1 * (7.0 * t).sin()).collect();
         let knots: Vec<usize> = (0..time.len()).collect();
-        let record = Record {
-            time_s: &time,
-            velocity: &velocity,
-            curve_speed: None,
-            viscous_speed: None,
-            rest_gain: None,
-            knots: &knots,
-        };
+        let record = Record::of_slip(&time, &velocity, &knots);
         let law = LawKind::Lugre
             .build(&[1e-14, 1.1e-14, 0.01, 1e-3, 0.0, 0.0], None)
             .expect("complete");

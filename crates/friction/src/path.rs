@@ -252,17 +252,20 @@ impl Walker<'_> {
                 t0,
             };
             let Solved { h, stages, end } = self.solve(&part, t, &start)?;
-            let ends_at = |place: f64| (place - (t + h)).abs() <= 1e-12 * to;
+            // Rounding must not part the step from where it was to end.
+            let rounding = 1e-12 * to;
+            let mut end_s = t + h;
+            if to - end_s <= rounding {
+                end_s = to;
+            } else if (sample - end_s).abs() <= rounding {
+                end_s = sample;
+            }
             let step = Step {
                 stretch: index,
                 sign,
                 t,
                 h,
-                end: match t + h {
-                    _ if to - (t + h) <= 1e-12 * to => to,
-                    _ if ends_at(sample) => sample,
-                    end => end,
-                },
+                end: end_s,
                 stages,
                 // where the motion comes to rest nothing decays any more, but the way there was as stiff as its start
                 stiff: start.slope.abs().max(end.z.abs()) * h > STIFF,

@@ -14,14 +14,7 @@ fn states<D: Scalar>(
     knots: &[usize],
     initial: f64,
 ) -> Vec<D> {
-    let record = Record {
-        time_s: time,
-        velocity,
-        curve_speed: None,
-        viscous_speed: None,
-        rest_gain: None,
-        knots,
-    };
+    let record = Record::of_slip(time, velocity, knots);
     integrate(law, &record, D::constant(initial)).expect("finite")
 }
 

@@ -25,14 +25,7 @@ fn motion() -> Vec<f64> {
 fn coefficients(law: &Law<f64>, velocity: &[f64], initial: f64) -> Vec<f64> {
     let time = time();
     let knots: Vec<usize> = (0..time.len()).collect();
-    let record = Record {
-        time_s: &time,
-        velocity,
-        curve_speed: None,
-        viscous_speed: None,
-        rest_gain: None,
-        knots: &knots,
-    };
+    let record = Record::of_slip(&time, velocity, &knots);
     let states = integrate(law, &record, initial).expect("finite");
     states
         .iter()
@@ -109,14 +102,11 @@ fn steady_state_is_the_level_of_the_curve() {
         let knots = [0, time.len() - 1];
         let slow = time.iter().map(|t| t * 10.0).collect::<Vec<_>>();
         let velocity = vec![v; time.len()];
-        let record = Record {
-            time_s: if v.abs() < 0.05 { &slow } else { &time },
-            velocity: &velocity,
-            curve_speed: None,
-            viscous_speed: None,
-            rest_gain: None,
-            knots: &knots,
-        };
+        let record = Record::of_slip(
+            if v.abs() < 0.05 { &slow } else { &time },
+            &velocity,
+            &knots,
+        );
         let end = *integrate(&law, &record, 0.0)
             .expect("finite")
             .last()

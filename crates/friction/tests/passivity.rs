@@ -28,14 +28,7 @@ fn elastic_work(law: &Law<f64>, amplitudes: &[f64], initial: f64) -> (f64, f64, 
         })
         .collect();
     let knots: Vec<usize> = (0..time.len()).collect();
-    let record = Record {
-        time_s: &time,
-        velocity: &velocity,
-        curve_speed: None,
-        viscous_speed: None,
-        rest_gain: None,
-        knots: &knots,
-    };
+    let record = Record::of_slip(&time, &velocity, &knots);
     let states = integrate(law, &record, initial).expect("finite");
     let mut elastic = *law;
     (elastic.damping, elastic.viscous) = (0.0, 0.0);

@@ -58,14 +58,7 @@ impl Integrator {
         knots: &[usize],
     ) -> Option<Vec<f64>> {
         if self == Self::Controlled {
-            let record = Record {
-                time_s,
-                velocity: velocity_m_s,
-                curve_speed: None,
-                viscous_speed: None,
-                rest_gain: None,
-                knots,
-            };
+            let record = Record::of_slip(time_s, velocity_m_s, knots);
             return integrate(law, &record, 0.0).ok();
         }
         let mut states = vec![0.0];

@@ -164,12 +164,8 @@ mod tests {
         let time: Vec<f64> = (0..50).map(|i| f64::from(i) / 60.0).collect();
         let velocity: Vec<f64> = time.iter().map(|t| 0.006 * t).collect();
         let record = |velocity, curve_speed, knots| Record {
-            time_s: &time,
-            velocity,
             curve_speed,
-            viscous_speed: None,
-            rest_gain: None,
-            knots,
+            ..Record::of_slip(&time, velocity, knots)
         };
         let ends = [0, 49];
         let asked = record(velocity.as_slice(), None, &ends[..]);

@@ -60,8 +60,8 @@ impl Scales {
 
     /// A law's parameters with bounds and typical sizes that fit this campaign and units that fit its rig.
     ///
-    /// Bounds are wide: five decades about the size that speed, travel and friction suggest; angles keep theirs. A state may be so stiff that
-    /// friction jumps within the first thousandth of a sample's way, or a rig without a stretch before sliding had no law with a state.
+    /// Bounds are wide: five decades about the size that speed, travel and friction suggest; angles keep theirs. A state may be ten
+    /// decades stiffer than its typical size: a rig whose friction jumps has no stretch before sliding, and none that is longer would fit.
     pub fn law_parameters(&self, law: LawKind, axis: Axis, has_load: bool) -> Vec<ParameterSpec> {
         law.parameters()
             .iter()

@@ -10,14 +10,7 @@ use rig::{Experiment, Model};
 fn coefficients(kind: LawKind, p: &[f64], t: &[f64], v: &[f64], initial: f64) -> Vec<f64> {
     let law = kind.build(p, Some(HEIGHT)).expect("complete");
     let knots: Vec<usize> = (0..t.len()).collect();
-    let record = Record {
-        time_s: t,
-        velocity: v,
-        curve_speed: None,
-        viscous_speed: None,
-        rest_gain: None,
-        knots: &knots,
-    };
+    let record = Record::of_slip(t, v, &knots);
     let z = integrate(&law, &record, initial).expect("finite");
     z.iter()
         .zip(v)
