@@ -9,7 +9,6 @@ use statrs::function::gamma::ln_gamma;
 
 use crate::answer::Place;
 use crate::general::Lack;
-use crate::ground::Ground;
 use crate::rhythm::rhythm;
 use crate::samples::Samples;
 use crate::sawtooth::sawtooth;
@@ -23,11 +22,10 @@ const CLIP: f64 = 3.0;
 /// The same of a sawtooth, whose jumps are blows; of the waves in a single blow none is strong.
 const CLIP_OF_JUMPS: f64 = 5.0;
 
-/// The strongest burst in the whitened residual. Of a channel so coarse that its record is a staircase the residual is what lies `beyond` the
+/// The strongest burst in the whitened residual, sample by sample. Of a channel so coarse that its record is a staircase the residual is what lies `beyond` the
 /// rounding: nothing most of the time, and in stretches whatever roughness carries a level over its edge. Unrest and rhythm cannot be
 /// told from that; a single blow can.
-pub(crate) fn bursts(ground: &Ground, samples: &Samples, names: &[String], beyond: bool) -> Lack {
-    let y = ground.residual_over_left(samples.len());
+pub(crate) fn bursts(y: &DVector<f64>, samples: &Samples, names: &[String], beyond: bool) -> Lack {
     let mean_square = y.norm_squared() / y.len().max(1) as f64;
     let y = y.unscale(mean_square.sqrt().max(f64::MIN_POSITIVE));
     let clipped = |at: f64| y.map(|v| v.clamp(-at, at));

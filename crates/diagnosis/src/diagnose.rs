@@ -250,7 +250,7 @@ fn complete(
         });
         finding.experiment = Some(text);
     }
-    let of_the_design = ties::ties(bench, &selected.baseline, &selected.first, scatter);
+    let of_the_design = ties::ties_beside(bench, &selected.subset, &selected.baseline, scatter);
     for tie in of_the_design {
         let same = |u: &Undecidable| {
             let held = |id: &String| tie.causes.contains(id);

@@ -20,6 +20,7 @@ use crate::bench::Bench;
 use crate::look_back::bare;
 use crate::prior::append_prior;
 use crate::selection::Selected;
+use crate::settled::likely_scatter;
 use crate::whole::Whole;
 
 /// Conditions that are left out as a whole, at most.
@@ -57,6 +58,9 @@ fn most_shown(bench: &Bench<'_>, selected: &Selected, conditions: &[Vec<usize>])
     }
     let noise = selected.stand.likely_noise();
     let shown = shown(bench, selected, &noise, conditions);
+    // What each run tells of itself, and not of the plate that the others pass.
+    let scatter = likely_scatter(&selected.stand);
+    let noise = (selected.stand).by_sample(bench, &selected.subset, scatter);
     for k in 0..selected.stand.fitted.effects.len() {
         let spared = spared(bench, selected, &noise, conditions, k);
         order.retain(|&c| spared[c]);

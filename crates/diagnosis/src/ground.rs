@@ -156,15 +156,6 @@ impl Ground {
         self.left.tr_mul(columns).norm_squared() / pairs as f64
     }
 
-    /// The projected residual of the first `samples`, each in standard deviations that hold what is left of channel noise.
-    pub(crate) fn residual_over_left(&self, samples: usize) -> DVector<f64> {
-        let draws = self.left.ncols().max(1) as f64;
-        DVector::from_fn(samples, |i, _| {
-            let left = self.left.row(i).norm_squared() / draws;
-            self.y[i] / (1.0 + left).sqrt()
-        })
-    }
-
     /// The same questions in the coordinates of a few projected columns F = Q R, which the gains of the runs lie among: for effects F c, whose
     /// columns there are R c. With it R.
     pub(crate) fn narrowed(&self, free: &DMatrix<f64>) -> (Self, DMatrix<f64>) {

@@ -29,7 +29,8 @@ pub(crate) fn lack(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Lack {
         .copied()
         .collect();
     let names = bench.run_names(subset);
-    let coarse = stand.beyond_rounding(bench, subset);
+    let beyond = stand.beyond_rounding(bench, subset);
+    let coarse = (beyond.as_ref()).map(|residual| stand.ground_of_residual(bench, residual));
     let ground = coarse.as_ref().unwrap_or(&stand.ground);
     let smooth = || {
         let recorded = subset.gather(&stand.fitted.prediction);
@@ -44,7 +45,10 @@ pub(crate) fn lack(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Lack {
         let pattern = patterns(ground, stand.white_gains(), &samples, &names);
         let shift = shifts(stand, ground, &samples, &scale, &names);
         let line = line_in_time(bench, subset, stand, &samples, &scale);
-        let burst = bursts(ground, &samples, &names, coarse.is_some());
+        let residual = beyond.clone();
+        let residual = residual.unwrap_or_else(|| stand.residual(bench, subset));
+        let innovations = stand.innovations(bench, subset, &residual);
+        let burst = bursts(&innovations, &samples, &names, beyond.is_some());
         (burst, [Some(pattern), Some(shift), line])
     };
     let (mark, (smooth, (burst, small))) = rayon::join(mark, || rayon::join(smooth, others));

@@ -40,7 +40,7 @@ pub(crate) fn line_in_time(
         comb: None,
     };
     let scatter = stand.ground.likeliest_scatter();
-    let g = solved_back(subset, stand, scatter);
+    let g = solved_back(stand, scatter);
     let information = |columns: &DMatrix<f64>| information(stand, scatter, columns);
     let peaks = family.peaks(&g, &information, MOST_LINES);
     let lines = highest(peaks.into_iter().map(|p| (&family, p)).collect(), &g, 1);

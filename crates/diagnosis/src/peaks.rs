@@ -78,7 +78,7 @@ impl Peaks {
             return Self::none();
         }
         let samples = subset.samples(bench);
-        let g = solved_back(subset, stand, scatter);
+        let g = solved_back(stand, scatter);
         let information = |columns: &DMatrix<f64>| information(stand, scatter, columns);
         let found = causes
             .iter()
@@ -167,10 +167,10 @@ impl Peaks {
 }
 
 /// g of [`crate::periodic`]: W'(projection)V^-1 y.
-pub(crate) fn solved_back(subset: &Subset, stand: &Stand, scatter: f64) -> DVector<f64> {
+pub(crate) fn solved_back(stand: &Stand, scatter: f64) -> DVector<f64> {
     let solved = stand.ground.solved_residual(scatter);
     let free = stand.ground.project_vector(&solved);
-    let own = free.rows(0, subset.len()).into_owned();
+    let own = free.rows(0, stand.whitener.rows()).into_owned();
     stand.whitener.whiten_transposed(&own)
 }
 

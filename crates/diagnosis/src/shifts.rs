@@ -45,7 +45,7 @@ pub(crate) fn shifts(
         return Lack::nothing();
     }
     let within = ground.residual_within(ground.likeliest_scatter());
-    let own = within.rows(0, samples.len()).into_owned();
+    let own = within.rows(0, stand.whitener.rows()).into_owned();
     let unwhitened = stand.whitener.whiten_transposed(&own);
     let sums = running_sums(unwhitened.iter().zip(friction).map(|(u, f)| u * f));
     let mut asked = 0;

@@ -4,12 +4,15 @@ use fitting::noise::{Context, Sizes, Whitener};
 use nalgebra::{DMatrix, DVector};
 
 use crate::bench::{Bench, Fitted};
-use crate::ground::Ground;
+use crate::ground::{Ground, orthonormal};
 use crate::integrity::is_staircase;
 use crate::prior::{append_prior, with_prior_rows};
 use crate::scatter::ScatterDeviance;
 use crate::settled::likely_scatter;
 use crate::subset::Subset;
+
+/// Directions of the model's parameters that keep less than this share of their length beside the others are none of its own.
+const OPEN: f64 = 1e-9;
 
 /// How likely a fit is under given sizes of the noise.
 pub(crate) struct Likelihood {
@@ -185,22 +188,67 @@ impl Stand {
         Likelihood::in_context(bench, subset, &self.fitted, sizes, &context).deviance
     }
 
-    /// The ground with each residual drawn towards zero by half a step of the force channel: what rounding may have made is
+    /// Measured less predicted, not whitened.
+    pub(crate) fn residual(&self, bench: &Bench<'_>, subset: &Subset) -> DVector<f64> {
+        subset.gather(&bench.experiment.measured_n) - subset.gather(&self.fitted.prediction)
+    }
+
+    /// The same, each drawn towards zero by half a step of the force channel: what rounding may have made is
     /// taken out, what is beyond it stays. `None` where the step is lost in the noise.
-    pub(crate) fn beyond_rounding(&self, bench: &Bench<'_>, subset: &Subset) -> Option<Ground> {
+    pub(crate) fn beyond_rounding(
+        &self,
+        bench: &Bench<'_>,
+        subset: &Subset,
+    ) -> Option<DVector<f64>> {
         let half = 0.5
             * bench
                 .step_n
                 .filter(|s| is_staircase(*s, self.sizes.sensor))?;
-        let residual =
-            subset.gather(&bench.experiment.measured_n) - subset.gather(&self.fitted.prediction);
-        let left = residual.map(|r| r.signum() * (r.abs() - half).max(0.0));
-        let white = with_prior_rows(
-            bench.prior.as_ref(),
-            self.whitener.whiten(&left),
-            &self.fitted.parameters,
-        );
-        Some(self.ground_of(&self.white_jacobian, &white))
+        let beyond = |r: f64| r.signum() * (r.abs() - half).max(0.0);
+        Some(self.residual(bench, subset).map(beyond))
+    }
+
+    /// The ground of another residual.
+    pub(crate) fn ground_of_residual(&self, bench: &Bench<'_>, residual: &DVector<f64>) -> Ground {
+        self.ground_of(&self.white_jacobian, &self.white_of(bench, residual))
+    }
+
+    fn white_of(&self, bench: &Bench<'_>, residual: &DVector<f64>) -> DVector<f64> {
+        let white = self.whitener.whiten(residual);
+        with_prior_rows(bench.prior.as_ref(), white, &self.fitted.parameters)
+    }
+
+    /// What the model's own directions leave of a residual, sample by sample (see [`Whitener::by_sample`]), in standard deviations that hold what
+    /// is left of channel noise (M5).
+    pub(crate) fn innovations(
+        &self,
+        bench: &Bench<'_>,
+        subset: &Subset,
+        residual: &DVector<f64>,
+    ) -> DVector<f64> {
+        let draws = subset.gather_columns(self.fitted.left_of_noise(bench));
+        let count = draws.ncols();
+        let mut white = self.white_left.clone().resize_horizontally(count + 1, 0.0);
+        white.set_column(count, &self.white_of(bench, residual));
+        let mut own = draws.resize_horizontally(count + 1, 0.0);
+        own.set_column(count, residual);
+        let (basis, back) = orthonormal(&self.white_jacobian, OPEN);
+        own -= subset.gather_columns(&self.jacobian) * (back * basis.tr_mul(&white));
+        let by_sample = self.by_sample(bench, subset, 0.0).whiten_columns(&own);
+        DVector::from_fn(residual.len(), |i, _| {
+            let left = by_sample.row(i).columns(0, count).norm_squared();
+            by_sample[(i, count)] / (1.0 + left / count.max(1) as f64).sqrt()
+        })
+    }
+
+    /// The noise with so much scatter between runs, sample by sample.
+    pub(crate) fn by_sample(&self, bench: &Bench<'_>, subset: &Subset, scatter: f64) -> Whitener {
+        let context = subset.context_of(bench, &self.fitted);
+        let sizes = Sizes {
+            scatter,
+            ..self.sizes
+        };
+        Whitener::by_sample(&context, &sizes)
     }
 
     /// The ground with these whitened columns in the model, too.
@@ -283,10 +331,10 @@ impl Stand {
     }
 }
 
-/// A noise with so much scatter between runs; the rows of a prior are no samples.
+/// A noise with so much scatter between runs; the rows of a prior have none.
 fn scattered(whitener: &Whitener, white_gains: &DMatrix<f64>, scatter: f64) -> Whitener {
-    let samples = whitener.samples();
-    whitener.with_scatter(&white_gains.rows(0, samples).into_owned(), scatter)
+    let rows = whitener.rows();
+    whitener.with_scatter(&white_gains.rows(0, rows).into_owned(), scatter)
 }
 
 /// Gains of runs and residual in whitened coordinates: W H E with (W H)'(W H) = E diag(lambda) E', and t = E'(W H)'W r.

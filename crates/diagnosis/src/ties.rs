@@ -9,14 +9,29 @@ use crate::answer::Undecidable;
 use crate::bench::Bench;
 use crate::equivalence::{flattened, sine};
 use crate::experiment::{Hypothesis, Proposal, propose};
-use crate::scan::{Scan, extended};
+use crate::scan::{Scan, extended, scan_without};
 use crate::stand::Stand;
+use crate::subset::Subset;
 
 /// Two signatures closer than this (sine of their angle) are one: an effect of twenty times its threshold, d' = 94,
 /// would still not reach the distance 4.7.
 const ONE: f64 = 0.05;
 
-/// Groups of causes that the design ties together, with the experiment that would break each tie.
+/// Groups of causes that the design ties together beside a law under its noise.
+pub(crate) fn ties_beside(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    law: &Stand,
+    scatter: f64,
+) -> Vec<Undecidable> {
+    let skipped: Vec<usize> = (0..bench.catalogue.len())
+        .filter(|&cause| bench.catalogue[cause].is_periodic())
+        .collect();
+    let scan = scan_without(bench, subset, law, scatter, &skipped);
+    ties(bench, law, &scan, scatter)
+}
+
+/// Groups of causes that the design ties together, with the experiment that would break each tie; `scan` is that of this stand.
 pub(crate) fn ties(
     bench: &Bench<'_>,
     stand: &Stand,

@@ -180,7 +180,7 @@ pub(crate) fn lack_of_fit(
         .iter()
         .map(|run| context.sliding[run.end - 1] - context.sliding[run.start])
         .sum();
-    let degrees = (slid / (2.0 * sizes.length)).clamp(1.0, (whitened.len() - p) as f64);
+    let degrees = (slid / (2.0 * sizes.length)).clamp(1.0, (residual.len() - p) as f64);
     let statistic = explained / departures.max(1) as f64;
     let p_value = FisherSnedecor::new(departures.max(1) as f64, degrees)
         .map_or(f64::NAN, |f| f.sf(statistic));

@@ -403,6 +403,16 @@ impl Along {
         filter
     }
 
+    /// Whether the roughness is smoother than exponential.
+    pub(super) fn is_smooth(&self) -> bool {
+        !self.driver.is_empty()
+    }
+
+    /// Whether the force channel wanders.
+    pub(super) fn wanders(&self) -> bool {
+        !self.wander.is_empty()
+    }
+
     /// The driver at a sample; of exponential roughness none.
     pub(super) fn driver(&self, i: usize) -> Driver {
         self.driver.get(i).copied().unwrap_or_default()
@@ -423,11 +433,11 @@ impl Along {
     pub(super) fn whiten(&self, columns: &mut [&mut [f64]]) {
         wide(
             #[inline(always)]
-            || match (self.driver.is_empty(), self.wander.is_empty()) {
-                (true, true) => self.innovations_of::<false, false>(columns),
-                (false, true) => self.innovations_of::<true, false>(columns),
-                (true, false) => self.innovations_of::<false, true>(columns),
-                (false, false) => self.innovations_of::<true, true>(columns),
+            || match (self.is_smooth(), self.wanders()) {
+                (false, false) => self.innovations_of::<false, false>(columns),
+                (true, false) => self.innovations_of::<true, false>(columns),
+                (false, true) => self.innovations_of::<false, true>(columns),
+                (true, true) => self.innovations_of::<true, true>(columns),
             },
         );
     }

@@ -25,18 +25,23 @@ mod channel;
 mod context;
 mod curvature;
 mod estimate;
+mod field;
 mod frame;
 mod further;
+mod grid;
+mod information;
 mod lag;
-mod plate;
+mod panels;
 mod restricted;
 mod ring;
 mod rotations;
 mod roughness;
+mod rows;
 mod scatter;
 mod search;
 #[cfg(test)]
 mod tests;
+mod tiles;
 mod vectors;
 mod whitener;
 

@@ -6,19 +6,22 @@
 //!
 //! X spans the mean's Jacobian and a gain for every run, so that the scatter between runs drops out and the
 //! roughness, its length and the sensor noise are estimated from what happens within runs. Inner products need no
-//! root of V: with the columns filtered along the runs (index 0) and A, L of the plate's field,
-//! a' V^-1 b = a0' b0 - (L^-1 A' a0)' (L^-1 A' b0).
+//! root of V: with the columns filtered along the runs (index 0) and A, U of the plate's field (N10),
+//! a' V^-1 b = a0' b0 - (U'^-1 A' a0)' (U'^-1 A' b0).
 
 use std::ops::Range;
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use super::along::{Along, TOGETHER};
+use super::along::Along;
 use super::context::{Context, Sizes};
 use super::curvature::Spectra;
-use super::plate::{Grid, Information, Rows};
+use super::field::Field;
+use super::grid::Grid;
+use super::rows::Rows;
 use super::scatter::{orthonormal_basis, stacked_gains};
-use super::vectors::wide;
+use super::tiles::{SIDE, Tile};
+use super::vectors::{dot, dots, wide};
 
 /// The data of the criterion, the columns orthonormalised once.
 pub(super) struct Criterion<'a> {
@@ -39,21 +42,25 @@ struct Gains {
     runs: Vec<Range<usize>>,
     /// Force as recorded, of unit length in each run.
     force: Vec<f64>,
+    /// The gain that each sample belongs to, `usize::MAX` of none.
+    owner: Vec<usize>,
 }
 
 impl Gains {
     fn of(context: &Context) -> Self {
         let mut force = stacked_gains(context);
         let mut runs = Vec::new();
+        let mut owner = vec![usize::MAX; force.len()];
         for run in &context.runs {
             let own = &mut force[run.clone()];
             let norm = own.iter().map(|f| f * f).sum::<f64>().sqrt();
             if norm > 0.0 && norm.is_finite() {
                 own.iter_mut().for_each(|f| *f /= norm);
+                owner[run.clone()].fill(runs.len());
                 runs.push(run.clone());
             }
         }
-        Self { runs, force }
+        Self { runs, force, owner }
     }
 
     /// Takes what is parallel to the gains out of a column; one that is a sum of them is zero then.
@@ -226,9 +233,14 @@ impl<'a> Criterion<'a> {
         let mut log_det = along.log_det - 2.0 * undone.log_det();
         if sizes.plate > 0.0 {
             let rows = Rows::new(self.context, sizes, &grid, &along);
-            let information = Information::new(&rows, &grid, sizes);
-            log_det += information.log_det;
-            gram -= self::gram(&seen_by_the_plate(&rows, &information, &gains, &columns));
+            let field = Field::new(&rows, &grid, sizes);
+            log_det += field.log_det;
+            gram -= self::gram(&seen_by_the_plate(
+                &field,
+                &gains,
+                &self.gains.owner,
+                &columns,
+            ));
         }
         (gram, log_det)
     }
@@ -253,47 +265,53 @@ impl Gains {
     }
 }
 
-/// L^-1 A' x of the gains and the columns, in this order.
+/// U'^-1 A' x of the gains and the columns, in this order.
 fn seen_by_the_plate(
-    rows: &Rows,
-    information: &Information,
+    field: &Field,
     gains: &Gains,
+    owner: &[usize],
     columns: &DMatrix<f64>,
 ) -> DMatrix<f64> {
-    let nodes = information.nodes();
-    let mut seen = DMatrix::zeros(nodes, gains.runs.len() + columns.ncols());
-    let mut solve = |first: usize, count: usize, mut b: Vec<[f64; TOGETHER]>| {
-        information.solve_lower(&mut b);
+    let mut seen = DMatrix::zeros(field.nodes, gains.runs.len() + columns.ncols());
+    let mut keep = |first: usize, count: usize, of: Vec<Tile>| {
         for k in 0..count {
-            for (slot, b) in seen.column_mut(first + k).iter_mut().zip(&b) {
-                *slot = b[k];
+            let column = seen.column_mut(first + k).into_iter();
+            for (slot, row) in column.zip(of.iter().flatten()) {
+                *slot = row[k];
             }
         }
     };
-    for (c, runs) in gains.runs.chunks(TOGETHER).enumerate() {
-        let b = rows.transpose_times_runs(&gains.force, runs, nodes);
-        solve(c * TOGETHER, runs.len(), b);
+    for first in (0..gains.runs.len()).step_by(SIDE) {
+        let count = SIDE.min(gains.runs.len() - first);
+        let own = |i: usize| {
+            let mut lanes = [0.0; SIDE];
+            if let Some(lane) = owner[i].checked_sub(first).filter(|&lane| lane < count) {
+                lanes[lane] = gains.force[i];
+            }
+            lanes
+        };
+        keep(first, count, field.seen(own));
     }
-    let parts: Vec<&[f64]> = columns.as_slice().chunks(columns.nrows()).collect();
-    for (c, block) in parts.chunks(TOGETHER).enumerate() {
-        let b = rows.transpose_times(block, nodes);
-        solve(gains.runs.len() + c * TOGETHER, block.len(), b);
+    let n = columns.nrows();
+    for (c, block) in columns.as_slice().chunks(n * SIDE).enumerate() {
+        let own = |i: usize| {
+            let mut lanes = [0.0; SIDE];
+            for (lane, x) in lanes.iter_mut().zip((i..block.len()).step_by(n)) {
+                *lane = block[x];
+            }
+            lanes
+        };
+        keep(
+            gains.runs.len() + c * SIDE,
+            block.len() / n,
+            field.seen(own),
+        );
     }
     seen
 }
 
-/// a'b in eight lanes.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    wide(
-        #[inline(always)]
-        || dots([a, a], [b, b])[0][0],
-    )
-}
-
 /// Rows of one block of a Gram matrix: all its columns fit a processor's second cache.
 const BLOCK: usize = 512;
-const LANES: usize = 8;
-
 /// X'X, by dot products in eight lanes.
 pub(super) fn gram(columns: &DMatrix<f64>) -> DMatrix<f64> {
     wide(
@@ -327,27 +345,4 @@ fn gram_by_dots(columns: &DMatrix<f64>) -> DMatrix<f64> {
     }
     out.fill_upper_triangle_with_lower_triangle();
     out
-}
-
-/// Products of two columns with two.
-#[inline(always)]
-fn dots(left: [&[f64]; 2], right: [&[f64]; 2]) -> [[f64; 2]; 2] {
-    let mut lanes = [[[0.0; LANES]; 2]; 2];
-    let mut chunks = [left[0], left[1], right[0], right[1]].map(|x| x.chunks_exact(LANES));
-    let rest = [0, 1, 2, 3].map(|k: usize| chunks[k].remainder());
-    let [a, b, c, d] = &mut chunks;
-    for (((a, b), c), d) in a.zip(b).zip(c).zip(d) {
-        for k in 0..LANES {
-            lanes[0][0][k] = a[k].mul_add(c[k], lanes[0][0][k]);
-            lanes[0][1][k] = a[k].mul_add(d[k], lanes[0][1][k]);
-            lanes[1][0][k] = b[k].mul_add(c[k], lanes[1][0][k]);
-            lanes[1][1][k] = b[k].mul_add(d[k], lanes[1][1][k]);
-        }
-    }
-    let tail = |a: usize, b: usize| -> f64 {
-        let pairs = rest[a].iter().zip(rest[2 + b]);
-        pairs.map(|(x, y)| x * y).sum()
-    };
-    let sum = |a: usize, b: usize| lanes[a][b].iter().sum::<f64>() + tail(a, b);
-    [[sum(0, 0), sum(0, 1)], [sum(1, 0), sum(1, 1)]]
 }

@@ -18,14 +18,12 @@
 
 use super::along::TOGETHER;
 use super::context::Sizes;
-use super::plate::{Grid, Rows};
+use super::grid::Grid;
+use super::rows::Rows;
 use super::vectors::wide;
 
 /// Remaining entries of a row below this, relative to the triangle's diagonal, end its sweep.
 const NEGLIGIBLE: f64 = 1e-5;
-
-/// Columns that are swept together where there are so many.
-pub(super) const MOST_TOGETHER: usize = 2 * TOGETHER;
 
 /// The stored rotations of all rows.
 pub(super) struct Rotations {
@@ -49,8 +47,8 @@ struct Turn {
 impl Turn {
     /// (u, y) -> (u + s y', y'),  y' = y - x u.
     #[inline(always)]
-    fn apply<const WIDTH: usize>(self, u: &mut [f64; WIDTH], y: &mut [f64; WIDTH]) {
-        for k in 0..WIDTH {
+    fn apply(self, u: &mut [f64; TOGETHER], y: &mut [f64; TOGETHER]) {
+        for k in 0..TOGETHER {
             y[k] = (-self.x).mul_add(u[k], y[k]);
             u[k] = self.s.mul_add(y[k], u[k]);
         }
@@ -130,28 +128,24 @@ impl Rotations {
         &self.turns[self.offset[row]..self.offset[row + 1]]
     }
 
-    /// Applies the rotations. Most of the time goes into reading them: the more columns share that, the better.
+    /// Applies the rotations.
     pub(super) fn whiten(&self, columns: &mut [&mut [f64]]) {
         wide(
             #[inline(always)]
             || {
-                for block in columns.chunks_mut(MOST_TOGETHER) {
-                    if block.len() > TOGETHER {
-                        self.sweep::<MOST_TOGETHER>(block);
-                    } else {
-                        self.sweep::<TOGETHER>(block);
-                    }
+                for block in columns.chunks_mut(TOGETHER) {
+                    self.sweep(block);
                 }
             },
         );
     }
 
-    /// Row by row, so many columns at once.
+    /// Row by row, all columns at once.
     #[inline(always)]
-    fn sweep<const WIDTH: usize>(&self, columns: &mut [&mut [f64]]) {
-        let mut field = vec![[0.0; WIDTH]; self.nodes];
+    fn sweep(&self, columns: &mut [&mut [f64]]) {
+        let mut field = vec![[0.0; TOGETHER]; self.nodes];
         for (i, weight) in self.root_weight.iter().enumerate() {
-            let mut y = [0.0; WIDTH];
+            let mut y = [0.0; TOGETHER];
             for (v, column) in y.iter_mut().zip(columns.iter()) {
                 *v = column[i];
             }

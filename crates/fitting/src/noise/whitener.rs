@@ -1,8 +1,10 @@
 //! W with W'W = V^-1, V the covariance of (N1), applied in time linear in the samples.
 //!
-//! Three factors, each a stored recursion: the filter along the runs, the rotations that remove the plate's field, and
-//! the root of the scatter, (I + s^2 H H')^(-1/2) = I - U diag(1 - 1/sqrt(1 + s^2 sigma^2)) U', H = U sigma E' being
-//! the gains as the first two factors leave them.
+//! Three factors: the filter along the runs, what takes out the plate's field, and the root of the scatter,
+//! (I + s^2 H H')^(-1/2) = I - U diag(1 - 1/sqrt(1 + s^2 sigma^2)) U', H = U sigma E' being the gains as the first two factors leave them.
+//!
+//! The field is taken out of all samples at once, (N10), where only inner products count: then W has rows for the plate's nodes below those of the
+//! samples. Sample by sample ([`Whitener::by_sample`]) it is square and its rows are innovations, at several times the price.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -13,12 +15,15 @@ use rayon::prelude::*;
 use super::along::{Along, TOGETHER};
 use super::channel::Undone;
 use super::context::{Context, Sizes};
-use super::plate::{Grid, Rows};
-use super::rotations::{MOST_TOGETHER, Rotations};
+use super::field::Field;
+use super::grid::Grid;
+use super::rotations::Rotations;
+use super::rows::Rows;
 use super::scatter::{gain_columns, stacked_gains};
+use super::vectors::dot;
 
 /// With more runs than this the scatter's root is taken run by run (the coupling of runs through the plate's field is
-/// then left out of the scatter, not out of the field).
+/// then left out of the scatter, not out of the field), which asks for rows that belong to runs.
 const RUNS_TOGETHER: usize = 96;
 
 /// Whitening of residuals and Jacobians under a noise model.
@@ -26,11 +31,19 @@ const RUNS_TOGETHER: usize = 96;
 pub struct Whitener {
     runs: Arc<[Range<usize>]>,
     along: Arc<Along>,
-    rotations: Option<Arc<Rotations>>,
+    plate: Plate,
     scatter: Option<ScatterRoot>,
     /// Filter and resonances, which are taken out first.
     channel: Arc<Undone>,
     log_det: f64,
+}
+
+/// What takes the plate's field out.
+#[derive(Clone)]
+enum Plate {
+    Smooth,
+    AtOnce(Arc<Field>),
+    BySample(Arc<Rotations>),
 }
 
 /// Root of the scatter between runs.
@@ -50,24 +63,45 @@ enum ScatterRoot {
 }
 
 impl Whitener {
-    /// Builds the recursions for a campaign's samples and the sizes of its noise.
+    /// Of a campaign's samples and the sizes of its noise.
     pub fn new(context: &Context, sizes: &Sizes) -> Self {
+        if context.runs.len() > RUNS_TOGETHER {
+            return Self::by_sample(context, sizes);
+        }
+        Self::with(context, sizes, |rows, grid| {
+            let field = Field::new(rows, grid, sizes);
+            (field.log_det, Plate::AtOnce(Arc::new(field)))
+        })
+    }
+
+    /// The same with a row for each sample, less what the samples before it, its run's and those of the runs before, tell of it.
+    pub fn by_sample(context: &Context, sizes: &Sizes) -> Self {
+        Self::with(context, sizes, |rows, grid| {
+            let rotations = Rotations::new(rows, grid, sizes);
+            (rotations.log_det, Plate::BySample(Arc::new(rotations)))
+        })
+    }
+
+    fn with(
+        context: &Context,
+        sizes: &Sizes,
+        plate: impl FnOnce(&Rows, &Grid) -> (f64, Plate),
+    ) -> Self {
         let grid = Grid::new(context, sizes.node_spacing(context.sampling()));
         let undone = context.undone(sizes);
         let along = Along::new(context, sizes, &undone, grid.unresolved(sizes));
-        let mut log_det = along.log_det - 2.0 * undone.log_det();
-        let rotations = (sizes.plate > 0.0).then(|| {
-            let rows = Rows::new(context, sizes, &grid, &along);
-            Arc::new(Rotations::new(&rows, &grid, sizes))
-        });
-        log_det += rotations.as_ref().map_or(0.0, |r| r.log_det);
+        let (of_plate, plate) = if sizes.plate > 0.0 {
+            plate(&Rows::new(context, sizes, &grid, &along), &grid)
+        } else {
+            (0.0, Plate::Smooth)
+        };
         let whitener = Self {
             runs: context.runs.clone().into(),
+            log_det: along.log_det - 2.0 * undone.log_det() + of_plate,
             along: Arc::new(along),
-            rotations,
+            plate,
             scatter: None,
             channel: Arc::new(undone),
-            log_det,
         };
         if sizes.scatter > 0.0 {
             let gains = if whitener.couples_runs() {
@@ -100,33 +134,28 @@ impl Whitener {
     /// Whether the scatter's root is taken of all runs together. Without a field that they share runs are independent: run by run is then
     /// exact.
     fn couples_runs(&self) -> bool {
-        self.rotations.is_some() && self.runs.len() <= RUNS_TOGETHER
+        !matches!(self.plate, Plate::Smooth) && self.runs.len() <= RUNS_TOGETHER
     }
 
     /// W r.
     pub fn whiten(&self, residual: &DVector<f64>) -> DVector<f64> {
-        let mut out = residual.clone();
+        let mut out = residual.clone().resize_vertically(self.rows(), 0.0);
         self.sweep(&mut [out.as_mut_slice()]);
         out
     }
 
     /// W applied to every column.
     pub fn whiten_columns(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
-        let n = columns.nrows();
-        let mut out = columns.clone();
-        if n == 0 || columns.ncols() == 0 {
+        let mut out = columns.clone().resize_vertically(self.rows(), 0.0);
+        if out.is_empty() {
             return out;
         }
         // Columns are independent: the split over threads changes no bit.
-        let block = if columns.ncols() > 2 * MOST_TOGETHER {
-            MOST_TOGETHER
-        } else {
-            TOGETHER
-        };
+        let rows = out.nrows();
         out.as_mut_slice()
-            .par_chunks_mut(n * block)
+            .par_chunks_mut(rows * TOGETHER)
             .for_each(|block| {
-                let mut parts: Vec<&mut [f64]> = block.chunks_mut(n).collect();
+                let mut parts: Vec<&mut [f64]> = block.chunks_mut(rows).collect();
                 self.sweep(&mut parts);
             });
         out
@@ -140,21 +169,30 @@ impl Whitener {
             // The root of the scatter is symmetric.
             scatter.apply(column);
         }
-        if let Some(rotations) = &self.rotations {
-            rotations.whiten_transposed(column);
+        match &self.plate {
+            Plate::Smooth => {}
+            Plate::AtOnce(field) => field.whiten_transposed(column),
+            Plate::BySample(rotations) => rotations.whiten_transposed(column),
         }
-        self.along.whiten_transposed(column);
-        self.channel.take_out_transposed(column);
-        out
+        let samples = &mut column[..self.samples()];
+        self.along.whiten_transposed(samples);
+        self.channel.take_out_transposed(samples);
+        out.resize_vertically(self.samples(), 0.0)
     }
 
+    /// Of columns whose samples are followed by room for the nodes' rows.
     fn sweep(&self, columns: &mut [&mut [f64]]) {
-        for column in columns.iter_mut() {
+        let mut samples: Vec<&mut [f64]> = (columns.iter_mut())
+            .map(|column| &mut column[..self.samples()])
+            .collect();
+        for column in &mut samples {
             self.channel.take_out(column);
         }
-        self.along.whiten(columns);
-        if let Some(rotations) = &self.rotations {
-            rotations.whiten(columns);
+        self.along.whiten(&mut samples);
+        match &self.plate {
+            Plate::Smooth => {}
+            Plate::AtOnce(field) => field.whiten(columns),
+            Plate::BySample(rotations) => rotations.whiten(columns),
         }
         if let Some(scatter) = &self.scatter {
             for column in columns.iter_mut() {
@@ -163,8 +201,16 @@ impl Whitener {
         }
     }
 
-    /// Samples that it whitens.
-    pub fn samples(&self) -> usize {
+    /// Rows of W: one for each sample, first, and for each node of the plate where its field is taken out at once.
+    pub fn rows(&self) -> usize {
+        let nodes = match &self.plate {
+            Plate::AtOnce(field) => field.nodes,
+            Plate::Smooth | Plate::BySample(_) => 0,
+        };
+        self.samples() + nodes
+    }
+
+    fn samples(&self) -> usize {
         self.runs.last().map_or(0, |run| run.end)
     }
 
@@ -243,8 +289,7 @@ fn shrinkage(scatter: f64, power: f64) -> f64 {
 
 /// x - shrink u (u'x).
 fn remove(x: &mut [f64], u: &[f64], shrink: f64) {
-    let along: f64 = u.iter().zip(x.iter()).map(|(a, b)| a * b).sum();
-    let step = along * shrink;
+    let step = dot(u, x) * shrink;
     for (x, a) in x.iter_mut().zip(u) {
         *x -= step * a;
     }

@@ -163,10 +163,10 @@ fn plate_field_agrees_with_the_dense_covariance() {
     }
 }
 
-/// The two linear-time paths (rotations; banded information matrix) are the same covariance.
+/// The three linear-time paths (the field taken out at once, sample by sample, and not at all but in inner products) are the same covariance.
 #[test]
-fn rotations_and_information_agree() {
-    for sizes in [SIZES, SMOOTH, APART, SMOOTH_PLATE] {
+fn the_ways_to_take_the_field_out_agree() {
+    for sizes in [SIZES, SMOOTH, APART, SMOOTH_PLATE, WANDERING] {
         agree(&Sizes {
             scatter: 0.0,
             ..sizes
@@ -188,17 +188,26 @@ fn agree(sizes: &Sizes) {
     let value = value_of(&wave, true);
     let as_columns = value_of(&mean, false);
     assert!((value - as_columns).abs() < 1e-8, "{value} {as_columns}");
-    let whitener = Whitener::new(&context, sizes);
     let basis = orthonormal_basis(&mean);
-    let x = whitener.whiten_columns(&basis);
-    let y = whitener.whiten(&(&r - &basis * basis.tr_mul(&r)));
-    let gram = Cholesky::new(x.tr_mul(&x)).expect("full rank");
-    let cross = x.tr_mul(&y);
-    let other = whitener.log_det()
-        + 2.0 * gram.l().diagonal().iter().map(|v| v.ln()).sum::<f64>()
-        + y.norm_squared()
-        - cross.dot(&gram.solve(&cross));
-    assert!((value - other).abs() < 1e-2, "{value} {other}");
+    let of = |whitener: &Whitener| {
+        let x = whitener.whiten_columns(&basis);
+        let y = whitener.whiten(&(&r - &basis * basis.tr_mul(&r)));
+        let gram = Cholesky::new(x.tr_mul(&x)).expect("full rank");
+        let cross = x.tr_mul(&y);
+        whitener.log_det()
+            + 2.0 * gram.l().diagonal().iter().map(|v| v.ln()).sum::<f64>()
+            + y.norm_squared()
+            - cross.dot(&gram.solve(&cross))
+    };
+    let (at_once, by_sample) = (
+        Whitener::new(&context, sizes),
+        Whitener::by_sample(&context, sizes),
+    );
+    assert_eq!(by_sample.rows(), context.samples());
+    assert!(at_once.rows() > context.samples());
+    let (at_once, by_sample) = (of(&at_once), of(&by_sample));
+    assert!((value - at_once).abs() < 1e-6, "{value} {at_once}");
+    assert!((value - by_sample).abs() < 1e-2, "{value} {by_sample}");
 }
 
 /// (W a)'b = a'(W'b).
@@ -206,11 +215,16 @@ fn agree(sizes: &Sizes) {
 fn transposed_whitening_is_the_adjoint() {
     let context = ramps(80, 2);
     for sizes in [SIZES, SMOOTH] {
-        let whitener = Whitener::new(&context, &sizes);
-        let (a, b) = (draw(&context, &sizes, 6), draw(&context, &sizes, 7));
-        let left = whitener.whiten(&a).dot(&b);
-        let right = a.dot(&whitener.whiten_transposed(&b));
-        let size = whitener.whiten(&a).norm() * b.norm();
-        assert!((left - right).abs() < 1e-10 * size, "{left} {right}");
+        for whitener in [
+            Whitener::new(&context, &sizes),
+            Whitener::by_sample(&context, &sizes),
+        ] {
+            let a = draw(&context, &sizes, 6);
+            let b = DVector::from_fn(whitener.rows(), |i, _| (i as f64).sin());
+            let left = whitener.whiten(&a).dot(&b);
+            let right = a.dot(&whitener.whiten_transposed(&b));
+            let size = whitener.whiten(&a).norm() * b.norm();
+            assert!((left - right).abs() < 1e-10 * size, "{left} {right}");
+        }
     }
 }
