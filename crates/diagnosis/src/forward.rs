@@ -174,7 +174,7 @@ impl<'a, 'b> Forward<'a, 'b> {
             Next::Fit(fit) if round == 0 && self.depth == Depth::Full => {
                 deepest(bench, subset, settle(bench, subset, &fit, found)?)?
             }
-            Next::Fit(fit) => settle(bench, subset, &fit, found)?,
+            Next::Fit(fit) => settle(bench, subset, &fit, &found.beneath(&fit, self.warm))?,
             Next::Settled(stand) => *stand,
         };
         if self.once

@@ -13,6 +13,7 @@ use crate::bench::{Bench, Fitted};
 use crate::ground::{Direction, Score, angle, look_elsewhere};
 use crate::joint::{is_dear, is_second_form};
 use crate::peaks::{Line, Peaks};
+use crate::selection::Warm;
 use crate::stand::Stand;
 use crate::subset::Subset;
 
@@ -102,6 +103,12 @@ impl Scan {
         let dull = self.candidates.iter();
         dull.filter(move |c| c.score.z() < SHARE * best)
             .map(|c| c.cause)
+    }
+
+    /// The same scan for the noise beneath a fit: searched from where another selection has ended with the fit's causes, if it has.
+    pub(crate) fn beneath(&self, fit: &Fitted, warm: Option<&Warm>) -> Self {
+        let known = warm.and_then(|warm| warm.sizes_beneath(fit));
+        self.with_sizes(known.or(self.sizes))
     }
 
     /// The same scan for a noise that is to be searched from other sizes (`None`: from scratch).

@@ -105,6 +105,15 @@ pub(crate) struct Warm {
     pub(crate) turns: bool,
 }
 
+impl Warm {
+    /// The noise beneath a fit with just the named causes.
+    pub(crate) fn sizes_beneath(&self, fit: &Fitted) -> Option<Sizes> {
+        let named = |effect: &usize| self.causes.iter().any(|(cause, _)| cause == effect);
+        let same = fit.effects.len() == self.causes.len() && fit.effects.iter().all(named);
+        same.then_some(self.sizes)
+    }
+}
+
 impl Selected {
     /// Whether no cause is named.
     pub(crate) fn names_nothing(&self) -> bool {

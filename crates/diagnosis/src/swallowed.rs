@@ -42,7 +42,7 @@ pub(crate) fn swallowed(
     }
     let seen = under_suspicion(bench, found).filter_map(|suspect| {
         let background = |_: &Stand| suspect.score.background;
-        recover(bench, subset, stand, (stand, found), suspect, background)
+        recover(bench, subset, stand, (stand, found, warm), suspect, background)
     });
     let rough = match warm {
         Some(warm) => names_the_plate(bench, warm).then_some(warm.sizes),
@@ -51,7 +51,7 @@ pub(crate) fn swallowed(
     let beside_rough = rough.and_then(|sizes| {
         let rough = Stand::new(bench, subset, stand.fitted.clone(), sizes);
         let found = of_the_plate(bench, subset, &rough);
-        let begun = (&rough, &found.with_sizes(None));
+        let begun = (&rough, &found.with_sizes(None), warm);
         let recovered = |suspect: &Candidate| {
             let background =
                 |next: &Stand| background_under(bench, subset, stand, (suspect.cause, next.sizes));
@@ -111,13 +111,13 @@ fn recover(
     bench: &Bench<'_>,
     subset: &Subset,
     stand: &Stand,
-    (beside, found): (&Stand, &Scan),
+    (beside, found, warm): (&Stand, &Scan, Option<&Warm>),
     suspect: &Candidate,
     background: impl Fn(&Stand) -> f64,
 ) -> Option<Recovered> {
     let fits = joint_fits(bench, subset, beside, &[suspect], 2, &[]);
     let (cause, fit, _) = fits.into_iter().next()?;
-    let next = settle(bench, subset, &fit, found)?;
+    let next = settle(bench, subset, &fit, &found.beneath(&fit, warm))?;
     let saved = stand.deviance - next.deviance;
     let evidence = saved.max(0.0) / background(&next);
     let search = suspect.log_p - suspect.score.log_p;
