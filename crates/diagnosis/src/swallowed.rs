@@ -42,7 +42,14 @@ pub(crate) fn swallowed(
     }
     let seen = under_suspicion(bench, found).filter_map(|suspect| {
         let background = |_: &Stand| suspect.score.background;
-        recover(bench, subset, stand, (stand, found, warm), suspect, background)
+        recover(
+            bench,
+            subset,
+            stand,
+            (stand, found, warm),
+            suspect,
+            background,
+        )
     });
     let rough = match warm {
         Some(warm) => names_the_plate(bench, warm).then_some(warm.sizes),

@@ -1,6 +1,6 @@
 //! Least squares, noise models and identifiability: knows residuals and parameters, not friction.
 //!
-//! Everything here works on *whitened* residuals r(p): their covariance is the identity when the noise model holds,
+//! Everything here works on *whitened* residuals r(p): their inner products are those of the noise's precision,
 //! so that 1/2 |r|^2 is a negative log-likelihood and thresholds on it are quantiles. What is offered:
 //!
 //! * [`minimise`] and [`multi_start`]: bounded Levenberg-Marquardt, an [`argmin`] solver run by its executor;

@@ -4,6 +4,9 @@ use super::rows::Rows;
 use super::tiles::{self, SIDE, Tile};
 use super::vectors::wide;
 
+/// Blocks of nodes that a panel may be wider than the longest row: few samples on a long plate see nodes far from one another's.
+const SLACK: usize = 2;
+
 /// Eight samples, or fewer, that see nearly the same nodes.
 struct Panel {
     samples: [usize; SIDE],
@@ -34,12 +37,17 @@ impl Panels {
             blocks,
             width: 0,
         };
-        for group in order.chunks(SIDE) {
-            let first = rows.first[group[0]] / SIDE;
-            let ends = group
-                .iter()
-                .map(|&i| rows.first[i] / SIDE + rows.blocks(i).len());
-            let width = ends.max().unwrap_or(0) - first;
+        let widest = order.iter().map(|&i| rows.blocks(i).len()).max();
+        let most = widest.unwrap_or(0) + SLACK;
+        let end = |i: usize| rows.first[i] / SIDE + rows.blocks(i).len();
+        let mut order = &order[..];
+        while let [i, ..] = order {
+            let first = rows.first[*i] / SIDE;
+            let near = order.iter().take(SIDE);
+            let count = near.take_while(|&&i| end(i) <= first + most).count();
+            let (group, later) = order.split_at(count);
+            order = later;
+            let width = group.iter().map(|&i| end(i)).max().unwrap_or(first) - first;
             let begun = all.tiles.len();
             all.tiles.resize(begun + width, [[0.0; SIDE]; SIDE]);
             let mut samples = [0; SIDE];
