@@ -51,6 +51,15 @@ fn tags(page: &str) -> Vec<String> {
     out
 }
 
+/// A reviewer finds the checklist, and how much of it the run answers, without scrolling through the page.
+#[test]
+fn the_masthead_counts_the_answers_of_the_checklist() {
+    let page = page();
+    let (masthead, _) = page.split_once("</header>").expect("a masthead");
+    let counted = "<a href=\"#checklist\">Reviewer’s checklist</a>: 1 partly.";
+    assert!(masthead.contains(counted), "{masthead}");
+}
+
 #[test]
 fn hostile_metadata_stays_text() {
     let page = page();

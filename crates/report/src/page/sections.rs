@@ -7,7 +7,7 @@ use super::claim_links;
 use super::engine::safe;
 use super::ledger::each;
 use crate::escape::html;
-use crate::{Block, Document, Error, Notice, NoticeKind, Prose, Section, mathml, number};
+use crate::{Answer, Block, Document, Error, Notice, NoticeKind, Prose, Section, mathml, number};
 
 /// Everything else that the page template needs.
 pub(super) fn context(document: &Document, cards: &Cards<'_>) -> Result<Value, Error> {
@@ -43,6 +43,11 @@ pub(super) fn context(document: &Document, cards: &Cards<'_>) -> Result<Value, E
             evidence => safe(lookup.inline(&item.evidence, &item.id)?),
         })
     })?;
+    let answered = [Answer::Yes, Answer::Partly, Answer::No, Answer::Yours].map(|answer| {
+        let items = document.checklist.iter();
+        let count = items.filter(|item| item.answer == answer).count();
+        context! { count, word => answer.word() }
+    });
     let choices = each(&document.choices, |choice| {
         Ok(context! {
             subject => safe(lookup.inline(&choice.subject, "choices")?),
@@ -65,6 +70,7 @@ pub(super) fn context(document: &Document, cards: &Cards<'_>) -> Result<Value, E
         doubts => lines(&document.doubts, "doubts")?,
         limits,
         checklist,
+        answered => answered.to_vec(),
         choices,
         glossary,
     })
