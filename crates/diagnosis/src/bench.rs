@@ -139,6 +139,22 @@ impl Fitted {
         self.with_own(k, &[])
     }
 
+    /// Measured less predicted, not whitened.
+    pub(crate) fn residual(&self, bench: &Bench<'_>, subset: &Subset) -> DVector<f64> {
+        subset.gather(&bench.experiment.measured_n) - subset.gather(&self.prediction)
+    }
+
+    /// The same whitened, with the rows of a prior below.
+    pub(crate) fn white_residual(
+        &self,
+        bench: &Bench<'_>,
+        subset: &Subset,
+        whitener: &Whitener,
+    ) -> DVector<f64> {
+        let white = whitener.whiten(&self.residual(bench, subset));
+        with_prior_rows(bench.prior.as_ref(), white, &self.parameters)
+    }
+
     /// The ids of the named causes, in their order.
     pub(crate) fn ids(&self, bench: &Bench<'_>) -> Vec<&'static str> {
         let effects = self.effects.iter();

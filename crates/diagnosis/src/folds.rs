@@ -56,11 +56,10 @@ fn most_shown(bench: &Bench<'_>, selected: &Selected, conditions: &[Vec<usize>])
     if selected.names_nothing() || conditions.len() > MOST_CONDITIONS {
         return order;
     }
-    let noise = selected.stand.likely_noise();
-    let shown = shown(bench, selected, &noise, conditions);
     // What each run tells of itself, and not of the plate that the others pass.
     let scatter = likely_scatter(&selected.stand);
     let noise = (selected.stand).by_sample(bench, &selected.subset, scatter);
+    let shown = shown(bench, selected, &noise, conditions);
     for k in 0..selected.stand.fitted.effects.len() {
         let spared = spared(bench, selected, &noise, conditions, k);
         order.retain(|&c| spared[c]);

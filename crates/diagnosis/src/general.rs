@@ -1,7 +1,7 @@
 //! The general alternative: something is left, whatever it is, and where it sits.
 //!
 //! Families of hat functions times the friction force, over the plate (the same in both directions, and in each),
-//! over speed, and over time within each run; further the first two slopes of the force in time, in each direction and in each run
+//! over speed, over acceleration, and over time within each run; further the first two slopes of the force in time, in each direction and in each run
 //! (what is left where a channel's or a start's near twin was named), and a force for each direction and load. Each family is
 //! tested as a whole (many small deviations) and column by column (one place); the tests pay for one another by Bonferroni's
 //! bound.
@@ -96,6 +96,7 @@ pub(crate) fn families(
             }
         }
     }
+    out.extend(accelerations(samples, scale));
     if samples.runs.len() <= MOST_RUNS {
         out.push(each_run(samples, scale));
         out.push(zeros(samples));
@@ -116,14 +117,41 @@ pub(crate) const MOST_RUNS: usize = 40;
 
 /// First and second slope in time of a force, within each run.
 fn slopes(samples: &Samples, recorded: &[f64]) -> [Vec<f64>; 2] {
-    let slope_of = |x: &[f64]| -> Vec<f64> {
-        let each = samples.runs.iter();
-        each.flat_map(|run| rig::signal::slope(&samples.time[run.clone()], &x[run.clone()]))
-            .collect()
-    };
-    let first = slope_of(recorded);
-    let second = slope_of(&first);
+    let first = slope_of(samples, recorded);
+    let second = slope_of(samples, &first);
     [first, second]
+}
+
+/// Slope in time, within each run.
+fn slope_of(samples: &Samples, x: &[f64]) -> Vec<f64> {
+    let each = samples.runs.iter();
+    each.flat_map(|run| rig::signal::slope(&samples.time[run.clone()], &x[run.clone()]))
+        .collect()
+}
+
+/// Hats over the acceleration along the motion, slowing down below zero. `None` where all samples are averages, whose accelerations are not
+/// those of the motion.
+fn accelerations(samples: &Samples, scale: &[f64]) -> Option<Hats> {
+    const CELLS: usize = 6;
+    if !samples.averaged.is_empty() {
+        return None;
+    }
+    let along: Vec<f64> = (slope_of(samples, &samples.velocity).iter())
+        .zip(samples.heading())
+        .map(|(a, heading)| a * heading)
+        .collect();
+    let (least, most) = range(&along);
+    (most > least).then(|| {
+        hats(
+            "acceleration",
+            "m/s^2",
+            &along,
+            scale,
+            (least, most),
+            CELLS,
+            &|_| true,
+        )
+    })
 }
 
 /// The two slopes, in each direction or in each run.

@@ -46,7 +46,7 @@ pub(crate) fn lack(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Lack {
         let shift = shifts(stand, ground, &samples, &scale, &names);
         let line = line_in_time(bench, subset, stand, &samples, &scale);
         let residual = beyond.clone();
-        let residual = residual.unwrap_or_else(|| stand.residual(bench, subset));
+        let residual = residual.unwrap_or_else(|| stand.fitted.residual(bench, subset));
         let innovations = stand.innovations(bench, subset, &residual);
         let burst = bursts(&innovations, &samples, &names, beyond.is_some());
         (burst, [Some(pattern), Some(shift), line])

@@ -32,9 +32,9 @@ const SHARP: f64 = 0.25;
 const FREEDOMS: [f64; 7] = [3.0, 4.0, 5.0, 7.0, 10.0, 15.0, NORMAL];
 /// Freedom of tails that count as normal.
 const NORMAL: f64 = 30.0;
-/// How many times the largest of all marks that do not touch it one must be to stand alone. Of a tail that falls with the power -nu, the
-/// largest is so much larger than the next with a probability of LONELY^-nu: in one plate of eighty where nu is 4.
-const LONELY: f64 = 3.0;
+/// Of a tail that falls with the power -nu the largest of many is x times the next with a probability of x^-nu. A mark stands alone where
+/// that is less than this: three times as large as all others where nu is 4, one and a half times where it is 10.
+const LONELY: f64 = 1.0 / 81.0;
 
 /// The strongest mark beside a stand.
 pub(crate) struct Mark {
@@ -172,11 +172,12 @@ impl Search<'_> {
         let sums = Sums::new(&own, &rest, &self.cells, self.scale);
         let others = scored(&rest, &sums, self.cells.shapes());
         let (spread, freedom) = tails(&others);
-        let alone = is_alone(saved.max(0.0).sqrt(), self.largest_apart(&others, extent));
+        let size = saved.max(0.0).sqrt();
+        let alone = is_alone(size, self.largest_apart(&others, extent), freedom);
         let weight = Weight {
             deviance: saved.max(0.0),
             explained: saved,
-            tails: (spread, if alone { NORMAL } else { freedom }),
+            tails: (spread, if alone { f64::INFINITY } else { freedom }),
             asked: tried,
             columns: courses.len(),
         };
@@ -243,9 +244,9 @@ impl Search<'_> {
     }
 }
 
-/// Whether a mark of this size is no part of the tail of those apart from it.
-fn is_alone(size: f64, largest_apart: f64) -> bool {
-    size > LONELY * largest_apart
+/// Whether a mark of this size is no part of the tail, of such a freedom, of those apart from it.
+fn is_alone(size: f64, largest_apart: f64, freedom: f64) -> bool {
+    (largest_apart / size).powf(freedom) < LONELY
 }
 
 /// Spread (at least 1) and freedom of the marks' deviates, from their median and their ninth decile.
@@ -268,8 +269,9 @@ fn tails(marks: &[Scored]) -> (f64, f64) {
 mod tests {
     use super::*;
 
-    /// Plates of so many whose largest mark is said to stand alone; marks that know nothing of one another, of Student's t.
-    fn alone(plates: u64, freedom: f64) -> u64 {
+    /// Plates of so many whose largest mark is said to stand alone, with tails of Student's t and taken for such of another freedom; marks
+    /// that know nothing of one another.
+    fn alone(plates: u64, freedom: f64, taken: f64) -> u64 {
         const MARKS: usize = 300;
         let student = StudentsT::new(0.0, 1.0, freedom).expect("a distribution");
         let mut state = 7_u64;
@@ -282,18 +284,22 @@ mod tests {
             let (first, second) = marks.fold((0.0_f64, 0.0_f64), |(first, second), z| {
                 (first.max(z), second.max(z.min(first)))
             });
-            is_alone(first, second)
+            is_alone(first, second, taken)
         };
         (0..plates).filter(plate).count() as u64
     }
 
-    /// Of 400 plates with tails of the fourth power 400 / 3^4, five, are expected, and one of normal tails never.
+    /// Of 400 plates 400 / 81, five, are expected where the tails fall with the power for which they are taken, fewer where they fall faster.
     #[test]
     fn tails_seldom_make_a_mark_that_stands_alone() {
-        let heavy = alone(400, 4.0);
-        assert!((1..=12).contains(&heavy), "{heavy}");
-        assert_eq!(alone(400, NORMAL), 0);
-        // a mark of 17 where all others are below 5 is no roughness, one of 13 may be
-        assert!(is_alone(17.0, 5.0) && !is_alone(13.0, 5.0));
+        for freedom in [4.0, 10.0] {
+            let heavy = alone(400, freedom, freedom);
+            assert!(heavy <= 12, "{freedom}: {heavy}");
+        }
+        assert!(alone(400, 4.0, 4.0) >= 1);
+        assert_eq!(alone(400, NORMAL, 4.0), 0);
+        // where the tails fall with the power 4 a mark of 17 where all others are below 5 is no roughness, one of 13 may be
+        assert!(is_alone(17.0, 5.0, 4.0) && !is_alone(13.0, 5.0, 4.0));
+        assert!(is_alone(13.0, 5.0, 10.0));
     }
 }

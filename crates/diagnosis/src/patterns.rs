@@ -1,12 +1,13 @@
 //! A gain that some runs share and the others lack (one run, two of them, the runs of a stretch of the day, every second, third or fourth
-//! one), gains that jump and go back or go up and down in the course of the day, by the order of the runs or by the clock, and gains of
-//! all runs under one load.
+//! one), gains that jump and go back or go up and down in the course of the day, by the order of the runs or by the clock, gains of
+//! all runs under one load, and gains that follow how far or how fast runs go or how long the rig has rested before them.
 //!
 //! A weight that was forgotten, a clamp that was changed or a room that cools looks like scatter between runs. Scatter knows no order, so
 //! each such question is answered by Student's t of the runs' gains (the scatter is integrated over), and the questions pay for one another
 //! by Bonferroni's bound.
 
 use std::f64::consts::PI;
+use std::ops::Range;
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
@@ -26,6 +27,8 @@ const RELAXATIONS: [f64; 3] = [0.1, 0.2, 0.4];
 const MEMORIES: [f64; 3] = [0.05, 0.1, 0.2];
 /// and the share of its variance that the gains hold that are asked for.
 const HELD: f64 = 0.95;
+/// Kinds of questions that share what may be spent: sets, families and manners.
+const SHARED: f64 = 3.0;
 /// Runs for each cosine that a course needs at least.
 const RUNS_A_COSINE: usize = 3;
 
@@ -41,7 +44,8 @@ pub(crate) fn patterns(
         .iter()
         .map(|r| samples.clock[r.start])
         .collect();
-    let questions = questions(&began, &samples.load_levels().of_run);
+    let mut questions = questions(&began, &samples.load_levels().of_run);
+    questions.extend(following(&manners(samples, &began)));
     let Some((question, score)) = strongest(ground, white_gains, questions) else {
         return Lack::nothing();
     };
@@ -95,7 +99,7 @@ fn strongest(
 }
 
 /// What is asked: sets of runs that share a gain and, in families, gains that differ. `levels`: the load of each run, as a place among the
-/// loads. Sets and families share what may be spent.
+/// loads. Sets, families and manners share what may be spent.
 fn questions(began: &[f64], levels: &[usize]) -> Vec<Question> {
     let count = began.len();
     if !(FEWEST_RUNS..=MOST_RUNS).contains(&count) {
@@ -117,7 +121,7 @@ fn questions(began: &[f64], levels: &[usize]) -> Vec<Question> {
         );
     }
     let priced = |all: Vec<DMatrix<f64>>| {
-        let price = (2.0 * all.len() as f64).ln();
+        let price = (SHARED * all.len() as f64).ln();
         all.into_iter().map(move |gains| Question { gains, price })
     };
     let shared = |runs: Vec<usize>| {
@@ -128,6 +132,56 @@ fn questions(began: &[f64], levels: &[usize]) -> Vec<Question> {
         sets.extend(jumps(began));
     }
     priced(sets).chain(priced(families)).collect()
+}
+
+/// How far and how fast each run goes, and how long the rig has rested before it.
+fn manners(samples: &Samples, began: &[f64]) -> Vec<Vec<f64>> {
+    let of_runs = |of: &dyn Fn(&Range<usize>) -> f64| samples.runs.iter().map(of).collect();
+    let way = |run: &Range<usize>| {
+        let places = || samples.place[run.clone()].iter().copied();
+        places().fold(f64::MIN, f64::max) - places().fold(f64::MAX, f64::min)
+    };
+    let speed = |run: &Range<usize>| {
+        let speeds = samples.velocity[run.clone()].iter().map(|v| v.abs());
+        speeds.sum::<f64>() / run.len().max(1) as f64
+    };
+    let ended: Vec<f64> = of_runs(&|run| samples.clock[run.end - 1]);
+    let rest = |run: &Range<usize>| {
+        let began = samples.clock[run.start];
+        let before = ended.iter().copied().filter(|&end| end < began);
+        began - before.fold(f64::MIN, f64::max)
+    };
+    let ordered = began.windows(2).any(|w| w[0] != w[1]);
+    let mut manners = vec![of_runs(&way), of_runs(&speed)];
+    if ordered {
+        manners.push(of_runs(&rest));
+    }
+    manners
+}
+
+/// For each manner the question whether gains follow its logarithm; where runs hardly differ in it there is none, and where it is not known of
+/// a run (nothing was before the first one) nothing is asked of that run.
+fn following(manners: &[Vec<f64>]) -> Vec<Question> {
+    /// Spread of the logarithm below which runs do not differ.
+    const SPREAD: f64 = 0.05;
+    /// Runs of which a manner must be known.
+    const FEWEST: usize = 4;
+    let price = (SHARED * manners.len() as f64).ln();
+    let gains = |manner: &Vec<f64>| {
+        let logs: Vec<Option<f64>> = (manner.iter())
+            .map(|&x| (x > 0.0 && x.is_finite() && x < 1e300).then(|| x.ln()))
+            .collect();
+        let known: Vec<f64> = logs.iter().flatten().copied().collect();
+        let mean = known.iter().sum::<f64>() / known.len().max(1) as f64;
+        let spread = known.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
+        let differ = known.len() >= FEWEST && (spread / known.len() as f64).sqrt() > SPREAD;
+        differ.then(|| {
+            let of = |k: usize| logs[k].map_or(0.0, |log| log - mean);
+            DMatrix::from_fn(logs.len(), 1, |k, _| of(k))
+        })
+    };
+    let asked = manners.iter().filter_map(gains);
+    asked.map(|gains| Question { gains, price }).collect()
 }
 
 /// For each load under which at most half of the runs were made, and two at least: each of these with a gain of its own.
@@ -260,14 +314,23 @@ mod tests {
         gain: impl Fn(usize) -> f64,
         rng: &mut ChaCha8Rng,
     ) -> (Vec<usize>, f64) {
-        let (runs, n) = (began.len(), began.len() * EACH);
+        answered(began.len(), questions(began, levels), gain, rng)
+    }
+
+    /// What these questions find where each run has a gain of so many scatters beside its own.
+    fn answered(
+        runs: usize,
+        asked: Vec<Question>,
+        gain: impl Fn(usize) -> f64,
+        rng: &mut ChaCha8Rng,
+    ) -> (Vec<usize>, f64) {
+        let n = runs * EACH;
         let mut normal = || -> f64 { StandardNormal.sample(rng) };
         let own: Vec<f64> = (0..runs).map(|k| SCATTER * (normal() + gain(k))).collect();
         let residual = DVector::from_fn(n, |i, _| own[i / EACH] + normal());
         let gains = DMatrix::from_fn(n, runs, |i, k| f64::from(u8::from(i / EACH == k)));
         let law = DMatrix::from_element(n, 1, 1.0);
         let ground = Ground::new(&law, &gains, &residual, &[]);
-        let asked = questions(began, levels);
         let (question, score) = strongest(&ground, &gains, asked).expect("asked");
         (question.runs(), score.log_p + question.price)
     }
@@ -335,6 +398,25 @@ mod tests {
         assert!(seen >= 18, "{seen} of 20");
         let alarms = (0..200).filter(|_| log_p(&|_| 0.0) < 0.02_f64.ln());
         assert!(alarms.count() <= 10);
+    }
+
+    /// Runs of sixteen strokes in no order of the day: gains that follow the stroke are seen, scatter follows nothing.
+    #[test]
+    fn gains_that_follow_the_stroke_are_seen() {
+        let mut rng = ChaCha8Rng::seed_from_u64(16);
+        let stroke = |k: usize| 0.01 + 0.005 * ((7 * k) % RUNS) as f64;
+        let manners = [(0..RUNS).map(stroke).collect::<Vec<f64>>()];
+        let asked = || following(&manners);
+        let middle = (0..RUNS).map(|k| stroke(k).ln()).sum::<f64>() / RUNS as f64;
+        let mut log_p = |follows: f64| {
+            let gain = |k: usize| follows * (stroke(k).ln() - middle);
+            answered(RUNS, asked(), gain, &mut rng).1
+        };
+        let seen = (0..20).filter(|_| log_p(5.0) < -6.0).count();
+        assert!(seen >= 18, "{seen} of 20");
+        let alarms = (0..200).filter(|_| log_p(0.0) < 0.02_f64.ln()).count();
+        assert!(alarms <= 10, "{alarms} of 200");
+        assert!(following(&[vec![0.1; RUNS]]).is_empty());
     }
 
     /// 2 % nominal, all questions paid for, so at most 8 of 400 are expected.

@@ -54,9 +54,7 @@ impl Likelihood {
         let prior = bench.prior.as_ref();
         let gains = gain_matrix(context);
         let white_gains = append_prior(prior, whitener.whiten_columns(&gains), &[]);
-        let residual =
-            subset.gather(&bench.experiment.measured_n) - subset.gather(&fitted.prediction);
-        let white = with_prior_rows(prior, whitener.whiten(&residual), &fitted.parameters);
+        let white = fitted.white_residual(bench, subset, &whitener);
         let scatter = ScatterDeviance::new(&white_gains, &white);
         Self {
             deviance: whitener.log_det() + scatter.least(),
@@ -188,11 +186,6 @@ impl Stand {
         Likelihood::in_context(bench, subset, &self.fitted, sizes, &context).deviance
     }
 
-    /// Measured less predicted, not whitened.
-    pub(crate) fn residual(&self, bench: &Bench<'_>, subset: &Subset) -> DVector<f64> {
-        subset.gather(&bench.experiment.measured_n) - subset.gather(&self.fitted.prediction)
-    }
-
     /// The same, each drawn towards zero by half a step of the force channel: what rounding may have made is
     /// taken out, what is beyond it stays. `None` where the step is lost in the noise.
     pub(crate) fn beyond_rounding(
@@ -205,7 +198,7 @@ impl Stand {
                 .step_n
                 .filter(|s| is_staircase(*s, self.sizes.sensor))?;
         let beyond = |r: f64| r.signum() * (r.abs() - half).max(0.0);
-        Some(self.residual(bench, subset).map(beyond))
+        Some(self.fitted.residual(bench, subset).map(beyond))
     }
 
     /// The ground of another residual.
@@ -309,12 +302,7 @@ impl Stand {
 
     /// -2 log likelihood of another fit under this stand's noise, the scatter between runs at that fit's likeliest.
     pub(crate) fn deviance_of(&self, bench: &Bench<'_>, subset: &Subset, fit: &Fitted) -> f64 {
-        let residual = subset.gather(&bench.experiment.measured_n) - subset.gather(&fit.prediction);
-        let white = with_prior_rows(
-            bench.prior.as_ref(),
-            self.whitener.whiten(&residual),
-            &fit.parameters,
-        );
+        let white = fit.white_residual(bench, subset, &self.whitener);
         self.whitener.log_det() + ScatterDeviance::new(&self.white_gains, &white).least()
     }
 

@@ -46,8 +46,8 @@ pub(crate) fn swallowed(
             bench,
             subset,
             stand,
-            (stand, found, warm),
-            suspect,
+            (stand, found),
+            (suspect, warm),
             background,
         )
     });
@@ -58,11 +58,11 @@ pub(crate) fn swallowed(
     let beside_rough = rough.and_then(|sizes| {
         let rough = Stand::new(bench, subset, stand.fitted.clone(), sizes);
         let found = of_the_plate(bench, subset, &rough);
-        let begun = (&rough, &found.with_sizes(None), warm);
+        let begun = (&rough, &found.with_sizes(None));
         let recovered = |suspect: &Candidate| {
             let background =
                 |next: &Stand| background_under(bench, subset, stand, (suspect.cause, next.sizes));
-            recover(bench, subset, stand, begun, suspect, background)
+            recover(bench, subset, stand, begun, (suspect, warm), background)
         };
         under_suspicion(bench, &found)
             .filter_map(recovered)
@@ -118,8 +118,8 @@ fn recover(
     bench: &Bench<'_>,
     subset: &Subset,
     stand: &Stand,
-    (beside, found, warm): (&Stand, &Scan, Option<&Warm>),
-    suspect: &Candidate,
+    (beside, found): (&Stand, &Scan),
+    (suspect, warm): (&Candidate, Option<&Warm>),
     background: impl Fn(&Stand) -> f64,
 ) -> Option<Recovered> {
     let fits = joint_fits(bench, subset, beside, &[suspect], 2, &[]);

@@ -61,6 +61,9 @@ pub(crate) fn equivalent_z(log_p: f64) -> f64 {
 
 /// The normal deviate with the two-sided tail of Student's t at `t` with `freedom` degrees.
 pub(crate) fn normal_deviate(t: f64, freedom: f64) -> f64 {
+    if freedom.is_infinite() {
+        return t;
+    }
     let Ok(student) = StudentsT::new(0.0, 1.0, freedom) else {
         return t;
     };

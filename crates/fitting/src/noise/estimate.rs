@@ -116,27 +116,19 @@ pub fn estimate(
         (frame, minimum) = (found.frame, found.minimum);
     }
     // What rows are the means of is known of exponential roughness only.
-    let exponential = frame.is_exponential(&minimum.point) && options.search != Search::Near;
-    if options.smooth && exponential && context.rows.is_empty() {
+    if options.smooth && context.rows.is_empty() && options.search != Search::Near {
         // Longer roughness first: at the bound of its length it would be taken for another kind.
-        if let Some(longer) = frame.longer(&criterion, &minimum, &mut evaluations) {
+        if frame.is_plain()
+            && let Some(longer) = frame.longer(&criterion, &minimum, &mut evaluations)
+        {
             (frame, minimum) = (longer.frame, longer.minimum);
         }
-        let thorough = options.search.is_thorough();
-        let smoother = frame.smoother(&criterion, &minimum, thorough, &mut evaluations);
-        let apart = plate_separable
-            .then(|| frame.two_lengths(&criterion, &minimum, &mut evaluations))
-            .flatten();
-        let further = smoother.into_iter().chain(apart);
-        if let Some(best) = further.max_by(|a, b| a.saved.total_cmp(&b.saved)) {
-            (frame, minimum) = (best.frame, best.minimum);
-        }
-    }
-    if options.smooth && plate_separable && context.rows.is_empty() {
-        let thorough = options.search.is_thorough();
-        if let Some(still) = frame.smoother_plate(&criterion, &minimum, thorough, &mut evaluations)
+        while let Some(best) = frame.further(&criterion, &minimum, options.search, &mut evaluations)
         {
-            minimum = still;
+            (frame, minimum) = (best.frame, best.minimum);
+            if let Some(still) = frame.stilled(&criterion, &minimum, &mut evaluations) {
+                (frame, minimum) = still;
+            }
         }
     }
     let spacing = frame.spacing(&minimum.point);

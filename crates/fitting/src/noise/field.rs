@@ -32,9 +32,10 @@ pub(super) struct Field {
 impl Field {
     pub(super) fn new(rows: &Rows, grid: &Grid, sizes: &Sizes) -> Self {
         let panels = Panels::of(rows, grid.nodes);
-        let information = Information::new(&panels, grid, sizes);
+        let root = grid.precision_root(sizes);
+        let information = Information::new(&panels, &root, grid.nodes);
         Self {
-            root: grid.precision_root(sizes),
+            root,
             nodes: grid.nodes,
             log_det: information.log_det,
             panels,

@@ -3,6 +3,7 @@
 
 use std::ops::Range;
 
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::context::{Context, Sampling, Sizes};
@@ -10,8 +11,8 @@ use super::estimate::{EstimateOptions, Search};
 use super::restricted::Criterion;
 use super::search::{self, NEAR, TO_THE_END};
 
-/// Coordinates of the search: logarithms of sensor, private, plate, length; of wander and its time, where the force channel wanders; and,
-/// where the record asks for them, of a further number ([`Frame::further_place`]) and the smoothing of the plate's roughness.
+/// Coordinates of the search: logarithms of sensor, private, plate, length; of wander and its time, where the force channel wanders; and
+/// of further numbers ([`More`]), where the record asks for them.
 pub(super) const SENSOR: usize = 0;
 pub(super) const PRIVATE: usize = 1;
 pub(super) const PLATE: usize = 2;
@@ -19,11 +20,14 @@ pub(super) const LENGTH: usize = 3;
 const WANDER: usize = 4;
 const WANDER_TIME: usize = 5;
 
-/// What the further coordinate is. Roughness is smoother than exponential, that of the plate perhaps still smoother, or that of the plate has
-/// a length of its own; what smoothing and a second length at once would be has not been seen.
+/// A further number.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum More {
+    /// Roughness is smoother than exponential,
     Smoothing,
+    /// that of the plate still smoother, or less so.
+    PlateSmoothing,
+    /// That of the plate has a length of its own.
     PlateRatio,
 }
 
@@ -44,6 +48,10 @@ const LONGEST_SHARE: f64 = 20.0;
 const LONGEST_SHARE_TO_AND_FRO: f64 = 6.0;
 /// Where of plate and runs one has this share of the other's roughness, or less, it may have been lost on the way.
 const LOST: f64 = 0.1;
+
+/// Share of the whole residual below which a part may be nothing, and the -2 log likelihood that it may then be worth.
+const SMALL: f64 = 0.05;
+const INVISIBLE: f64 = 0.02;
 
 /// A length nearer to its bound than this share lies on it.
 const ON_BOUND: f64 = 0.05;
@@ -73,7 +81,7 @@ pub(super) struct Frame {
     pub(super) wanders: bool,
     /// Shortest and longest time over which it may, s.
     pub(super) wander_times_s: (f64, f64),
-    more: More,
+    more: Vec<More>,
     plate: bool,
     sampling: Sampling,
     relative: f64,
@@ -126,16 +134,21 @@ impl Frame {
             ((relative * 1e-4).ln(), (relative * 6.0).ln()),
             ((relative * 1e-4).ln(), (relative * 6.0).ln()),
             (lengths.0.ln(), lengths.1.ln()),
-            (0.0, 0.0),
-            (SMOOTHINGS.0.ln(), SMOOTHINGS.1.ln()),
         ];
-        let wanders = options.wanders && options.search.start().is_some_and(|s| s.wander > 0.0);
-        let own_length = options.search.start().map_or(1.0, |s| s.plate_ratio) != 1.0;
+        let begun = options.search.start().unwrap_or(Sizes::NONE);
+        let more = [
+            (More::Smoothing, begun.smoothing > 0.0),
+            (
+                More::PlateSmoothing,
+                begun.smoothing > 0.0 && begun.plate_smoothing > 0.0,
+            ),
+            (More::PlateRatio, begun.plate_ratio != 1.0),
+        ];
         Self {
             bounds,
             wanders: false,
             wander_times_s: wander_times_s(context),
-            more: More::Smoothing,
+            more: Vec::new(),
             plate,
             sampling: context.sampling(),
             relative,
@@ -146,12 +159,12 @@ impl Frame {
             longest_to_and_fro,
         }
         .counting(options)
-        .wandering_if(wanders)
-        .with(if own_length {
-            More::PlateRatio
-        } else {
-            More::Smoothing
-        })
+        .wandering_if(options.wanders && begun.wander > 0.0)
+        .with_all(more.into_iter().filter(|m| m.1).map(|m| m.0))
+    }
+
+    fn with_all(self, more: impl Iterator<Item = More>) -> Self {
+        more.fold(self, Self::with)
     }
 
     /// The same where the force channel wanders.
@@ -166,7 +179,7 @@ impl Frame {
         self
     }
 
-    /// Place of the further coordinate in a point.
+    /// Place of the first further number in a point.
     pub(super) fn further_place(&self) -> usize {
         if self.wanders {
             WANDER_TIME + 1
@@ -175,25 +188,36 @@ impl Frame {
         }
     }
 
-    /// Whether a point has no further coordinate.
-    pub(super) fn is_exponential(&self, point: &[f64]) -> bool {
-        point.len() == self.further_place()
+    /// Place of a further number in a point.
+    pub(super) fn place(&self, more: More) -> Option<usize> {
+        let among = self.more.iter().position(|&m| m == more)?;
+        Some(self.further_place() + among)
     }
 
-    /// The same with another further coordinate.
+    /// Whether roughness is exponential and of one length.
+    pub(super) fn is_plain(&self) -> bool {
+        self.more.is_empty()
+    }
+
+    /// Whether the roughness fixed to the plate can be told.
+    pub(super) fn has_plate(&self) -> bool {
+        self.plate
+    }
+
+    pub(super) fn has(&self, more: More) -> bool {
+        self.more.contains(&more)
+    }
+
+    /// The same with a further number, the last in a point.
     pub(super) fn with(mut self, more: More) -> Self {
-        self.more = more;
-        let place = self.further_place();
-        self.bounds[place] = match more {
-            More::Smoothing => (SMOOTHINGS.0.ln(), SMOOTHINGS.1.ln()),
-            More::PlateRatio => (-MOST_RATIO.ln(), MOST_RATIO.ln()),
-        };
+        if !self.has(more) {
+            self.more.push(more);
+            self.bounds.push(match more {
+                More::Smoothing | More::PlateSmoothing => (SMOOTHINGS.0.ln(), SMOOTHINGS.1.ln()),
+                More::PlateRatio => (-MOST_RATIO.ln(), MOST_RATIO.ln()),
+            });
+        }
         self
-    }
-
-    /// Whether a point has one smoothing for both roughnesses.
-    pub(super) fn is_smooth(&self, point: &[f64]) -> bool {
-        self.more == More::Smoothing && point.len() == self.further_place() + 1
     }
 
     /// The same with longer roughness, where the record allows for it and `found` lies on the bound.
@@ -218,10 +242,10 @@ impl Frame {
     }
 
     pub(super) fn sizes(&self, x: &[f64]) -> Sizes {
-        let more = |kind: More| x.get(self.further_place()).filter(|_| self.more == kind);
+        let more = |of: More| self.place(of).map(|k| x[k].exp());
         let wander = |k: usize| x.get(k).filter(|_| self.wanders).map(|w| w.exp());
         let length = x[LENGTH].exp();
-        let ratio = more(More::PlateRatio).map_or(1.0, |s| s.exp());
+        let ratio = more(More::PlateRatio).unwrap_or(1.0);
         let longest = (self.longest_plate / length).max(1.0);
         Sizes {
             sensor: x[SENSOR].exp(),
@@ -230,9 +254,9 @@ impl Frame {
             private: x[PRIVATE].exp(),
             plate: if self.plate { x[PLATE].exp() } else { 0.0 },
             length,
-            smoothing: more(More::Smoothing).map_or(0.0, |s| s.exp()),
+            smoothing: more(More::Smoothing).unwrap_or(0.0),
             plate_ratio: ratio.min(longest),
-            plate_smoothing: x.get(self.further_place() + 1).map_or(0.0, |s| s.exp()),
+            plate_smoothing: more(More::PlateSmoothing).unwrap_or(0.0),
             scatter: 0.0,
         }
     }
@@ -261,23 +285,20 @@ impl Frame {
         evaluations: &mut usize,
     ) -> search::Minimum {
         let far = search.start().is_none();
-        let mut bounds = self.bounds.clone();
-        bounds.truncate(start.len());
         let mut again = true;
         loop {
             let begun = start.clone();
             let spacing = self.spacing(&start);
-            let on = |spacing: f64| move |x: &[f64]| criterion.value(&self.sizes(x), spacing);
-            let mut inverse = criterion.inverse_curvature(|x| self.sizes(x), &start);
+            let mut hessian = None;
             if far {
                 let near = self.on_grid(criterion, &start, self.coarse(&start), NEAR);
                 *evaluations += near.evaluations;
                 if search == Search::Near {
                     return near;
                 }
-                (start, inverse) = (near.point, Some(near.inverse));
+                (start, hessian) = (near.point, Some(near.hessian));
             }
-            let found = search::minimise(&on(spacing), &start, inverse, &bounds, TO_THE_END);
+            let found = self.minimum(criterion, &start, spacing, hessian, TO_THE_END);
             *evaluations += found.evaluations;
             // The grid's spacing follows the sizes: search again only where the length or the grid moved far, and once.
             let length = |x: &[f64]| self.sizes(x).plate_length();
@@ -310,10 +331,36 @@ impl Frame {
         spacing: f64,
         worthwhile: f64,
     ) -> search::Minimum {
-        let bounds = &self.bounds[..start.len()];
-        let on_grid = |x: &[f64]| criterion.value(&self.sizes(x), spacing);
-        let inverse = criterion.inverse_curvature(|x| self.sizes(x), start);
-        search::minimise(&on_grid, start, inverse, bounds, worthwhile)
+        self.minimum(criterion, start, spacing, None, worthwhile)
+    }
+
+    /// The same with an estimate of the Hessian at the start.
+    fn minimum(
+        &self,
+        criterion: &Criterion<'_>,
+        start: &[f64],
+        spacing: f64,
+        hessian: Option<DMatrix<f64>>,
+        worthwhile: f64,
+    ) -> search::Minimum {
+        let counts = |&part: &usize| match part {
+            PLATE => self.plate,
+            WANDER => self.wanders,
+            _ => true,
+        };
+        let parts: Vec<usize> = [SENSOR, PRIVATE, PLATE, WANDER]
+            .into_iter()
+            .filter(counts)
+            .collect();
+        let problem = search::Problem {
+            level: &|x| criterion.level(&self.sizes(x), spacing),
+            bounds: &self.bounds,
+            parts: &parts,
+            idle: (!self.plate).then_some(PLATE),
+            degrees_of_freedom: criterion.degrees_of_freedom() as f64,
+        };
+        let expected = criterion.curvature(|x| self.sizes(x), start);
+        search::minimise(&problem, start, expected, hessian, worthwhile)
     }
 
     /// The former sizes, or the best of a coarse grid over length and share of the sensor noise.
@@ -340,14 +387,13 @@ impl Frame {
                 let (shortest, longest) = self.bounds[WANDER_TIME];
                 start.push(s.wander_time_s.ln().clamp(shortest, longest));
             }
-            if self.more == More::PlateRatio {
-                let (least, most) = self.bounds[self.further_place()];
-                start.push(s.plate_ratio.ln().clamp(least, most));
-            } else if s.smoothing > 0.0 {
-                start.push(s.smoothing.ln());
-                if s.plate_smoothing > 0.0 {
-                    start.push(s.plate_smoothing.ln());
-                }
+            for (&more, &(least, most)) in self.more.iter().zip(&self.bounds[start.len()..]) {
+                let begun = match more {
+                    More::Smoothing => s.smoothing,
+                    More::PlateSmoothing => s.plate_smoothing,
+                    More::PlateRatio => s.plate_ratio,
+                };
+                start.push(begun.ln().clamp(least, most));
             }
             return start;
         }
@@ -396,6 +442,31 @@ impl Frame {
         (again.value < found.value).then_some(again)
     }
 
+    /// The same without a wander, where roughness does by now what it did.
+    pub(super) fn stilled(
+        &self,
+        criterion: &Criterion<'_>,
+        found: &search::Minimum,
+        evaluations: &mut usize,
+    ) -> Option<(Self, search::Minimum)> {
+        if !self.wanders || found.point[WANDER] > (SMALL * self.absolute).ln() {
+            return None;
+        }
+        let spacing = self.spacing(&found.point);
+        let mut still = self.clone();
+        still.wanders = false;
+        still.bounds.drain(WANDER..=WANDER_TIME);
+        let mut minimum = found.clone();
+        minimum.point.drain(WANDER..=WANDER_TIME);
+        let places = [WANDER, WANDER_TIME];
+        minimum.hessian = (minimum.hessian)
+            .remove_rows_at(&places)
+            .remove_columns_at(&places);
+        minimum.value = criterion.value(&still.sizes(&minimum.point), spacing);
+        *evaluations += 1;
+        (minimum.value < found.value + INVISIBLE).then_some((still, minimum))
+    }
+
     /// A part without which the data are as likely is zero, and exactly so.
     pub(super) fn without_invisible(
         &self,
@@ -404,13 +475,11 @@ impl Frame {
         spacing: f64,
         value: f64,
     ) -> Sizes {
-        /// Share of the whole residual below which a part may be nothing.
-        const SMALL: f64 = 0.05;
         let is_small = |part: f64, scale: f64| part > 0.0 && part < SMALL * scale;
         let mut kept = sizes;
         let mut try_without = |small: bool, drop_part: fn(Sizes) -> Sizes| {
             let without = drop_part(kept);
-            if small && criterion.value(&without, spacing) < value + 0.02 {
+            if small && criterion.value(&without, spacing) < value + INVISIBLE {
                 kept = without;
             }
         };

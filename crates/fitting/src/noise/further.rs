@@ -118,6 +118,29 @@ impl Frame {
         })
     }
 
+    /// The further number that saves most beside `found`, if any is worth it.
+    pub(super) fn further(
+        &self,
+        criterion: &Criterion<'_>,
+        found: &Minimum,
+        search: Search,
+        evaluations: &mut usize,
+    ) -> Option<Further> {
+        let thorough = search.is_thorough();
+        let plate = self.has_plate();
+        let mut worth: Vec<Further> = Vec::new();
+        if !self.has(More::Smoothing) {
+            worth.extend(self.smoother(criterion, found, thorough, evaluations));
+        } else if plate && !self.has(More::PlateSmoothing) {
+            worth.extend(self.smoother_plate(criterion, found, thorough, evaluations));
+        }
+        if plate && !self.has(More::PlateRatio) {
+            worth.extend(self.two_lengths(criterion, found, thorough, evaluations));
+        }
+        let saved = |of: &Further| of.saved;
+        (worth.into_iter()).max_by(|a, b| saved(a).total_cmp(&saved(b)))
+    }
+
     /// Roughness that is smoother than exponential, where that is likelier than `plain`. Unless the search is thorough a smoothing
     /// counts only if it is seen at once.
     ///
@@ -129,7 +152,9 @@ impl Frame {
         thorough: bool,
         evaluations: &mut usize,
     ) -> Option<Further> {
-        let on_grid = |point: &[f64], spacing| criterion.value(&self.sizes(point), spacing);
+        let smooth = self.clone().with(More::Smoothing);
+        let on_grid =
+            |frame: &Self, point: &[f64], spacing| criterion.value(&frame.sizes(point), spacing);
         let probed: Vec<(f64, Vec<f64>)> = PROBES
             .par_iter()
             .map(|&(smoothing, share)| {
@@ -137,11 +162,10 @@ impl Frame {
                 let mut point = plain.point.clone();
                 point[LENGTH] += (share / (1.0 + smoothing)).ln();
                 point.push(smoothing.ln());
-                let spacing = self.spacing(&point);
-                (
-                    on_grid(&point, spacing) - on_grid(&plain.point, spacing),
-                    point,
-                )
+                let spacing = smooth.spacing(&point);
+                let beyond =
+                    on_grid(&smooth, &point, spacing) - on_grid(self, &plain.point, spacing);
+                (beyond, point)
             })
             .collect();
         let likelier = (probed.into_iter())
@@ -150,24 +174,24 @@ impl Frame {
         *evaluations += 2 * PROBES.len();
         let (_, point) = likelier?;
         let from = if thorough {
-            let coarse = self.coarse(&point);
-            let near = self.near(criterion, &point, coarse);
+            let coarse = smooth.coarse(&point);
+            let near = smooth.near(criterion, &point, coarse);
             *evaluations += near.evaluations + 1;
             // What is not seen there at all will not be worth its price on a finer grid.
-            if near.value > on_grid(&plain.point, coarse) - 0.5 * WORTH_SMOOTHING {
+            if near.value > on_grid(self, &plain.point, coarse) - 0.5 * WORTH_SMOOTHING {
                 return None;
             }
-            self.apart(criterion, near, evaluations)
+            smooth.apart(criterion, near, evaluations)
         } else {
             point
         };
-        let again = Search::Again(self.sizes(&from));
-        let found = self.search(criterion, from, again, evaluations);
-        let spacing = self.spacing(&found.point);
-        let own = on_grid(&found.point, spacing);
+        let again = Search::Again(smooth.sizes(&from));
+        let found = smooth.search(criterion, from, again, evaluations);
+        let spacing = smooth.spacing(&found.point);
+        let own = on_grid(&smooth, &found.point, spacing);
         let saves = |plain: f64| own < plain - WORTH_SMOOTHING;
         *evaluations += 2;
-        if !saves(on_grid(&plain.point, spacing)) {
+        if !saves(on_grid(self, &plain.point, spacing)) {
             return None;
         }
         // Exponential roughness may have other sizes on this grid.
@@ -175,7 +199,7 @@ impl Frame {
         *evaluations += fine.evaluations;
         let as_fine = fine.value;
         saves(as_fine).then(|| Further {
-            frame: self.clone(),
+            frame: smooth,
             minimum: found,
             saved: as_fine - own,
         })
@@ -189,17 +213,15 @@ impl Frame {
         alike: &Minimum,
         thorough: bool,
         evaluations: &mut usize,
-    ) -> Option<Minimum> {
-        if !self.is_smooth(&alike.point) {
-            return None;
-        }
-        let on_grid = |point: &[f64], spacing| criterion.value(&self.sizes(point), spacing);
+    ) -> Option<Further> {
+        let apart = self.clone().with(More::PlateSmoothing);
         let probe = |&(smoothing, more): &(f64, f64)| {
             let mut point = alike.point.clone();
             point[PLATE] += more.ln();
             point.push(smoothing.ln());
-            let spacing = self.spacing(&point);
-            let beyond = on_grid(&point, spacing) - on_grid(&alike.point, spacing);
+            let spacing = apart.spacing(&point);
+            let value = criterion.value(&apart.sizes(&point), spacing);
+            let beyond = value - criterion.value(&self.sizes(&alike.point), spacing);
             (beyond, point)
         };
         let probed: Vec<(f64, Vec<f64>)> = PLATE_PROBES.par_iter().map(probe).collect();
@@ -207,14 +229,18 @@ impl Frame {
         let (_, start) = (probed.into_iter())
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .filter(|(beyond, _)| thorough || *beyond < 0.0)?;
-        let found = self.worth_more(
+        let (minimum, saved) = apart.worth_more(
             criterion,
             (self, alike),
             &start,
             WORTH_SMOOTHER_PLATE,
             evaluations,
-        );
-        found.map(|(minimum, _)| minimum)
+        )?;
+        Some(Further {
+            frame: apart,
+            minimum,
+            saved,
+        })
     }
 
     /// What a search from `start` finds with a further number, and what that saves of -2 log likelihood beside `plain`, the minimum of a frame
@@ -258,7 +284,10 @@ impl Frame {
         }
         // Over short ways roughness does what rho l^2 says.
         let mut start = alike.point.clone();
-        start[self.further_place()] = APART.ln();
+        let Some(place) = self.place(More::Smoothing) else {
+            return alike.point;
+        };
+        start[place] = APART.ln();
         start[LENGTH] += 0.5 * (smoothing / APART).ln();
         let coarse = self.coarse(&alike.point);
         let apart = self.near(criterion, &start, coarse);
@@ -277,10 +306,12 @@ impl Frame {
         &self,
         criterion: &Criterion<'_>,
         one: &Minimum,
+        thorough: bool,
         evaluations: &mut usize,
     ) -> Option<Further> {
         let apart = self.clone().with(More::PlateRatio);
-        let on_grid = |point: &[f64], spacing| criterion.value(&apart.sizes(point), spacing);
+        let on_grid =
+            |frame: &Self, point: &[f64], spacing| criterion.value(&frame.sizes(point), spacing);
         let probed: Vec<(f64, Vec<f64>)> = RATIOS
             .par_iter()
             .map(|&(ratio, moved)| {
@@ -290,17 +321,20 @@ impl Frame {
                 point[PRIVATE] += 0.5 * moved * ratio.ln();
                 point[PLATE] += 0.5 * (1.0 + moved) * ratio.ln();
                 point.push(ratio.ln());
-                let spacing = apart.coarse(&point).min(apart.coarse(&one.point));
-                (
-                    on_grid(&point, spacing) - on_grid(&one.point, spacing),
-                    point,
-                )
+                let spacing = apart.coarse(&point).min(self.coarse(&one.point));
+                let beyond = on_grid(&apart, &point, spacing) - on_grid(self, &one.point, spacing);
+                (beyond, point)
             })
             .collect();
         *evaluations += 2 * RATIOS.len();
+        // Beside smoothing, which does much of what a second length would, a search is begun again for what is seen at once only.
+        let enough = match self.has(More::Smoothing) && !thorough {
+            true => 0.0,
+            false => WORTH_SECOND_LENGTH,
+        };
         let (_, start) = (probed.into_iter())
             .min_by(|a, b| a.0.total_cmp(&b.0))
-            .filter(|(beyond, _)| *beyond < WORTH_SECOND_LENGTH)?;
+            .filter(|(beyond, _)| *beyond < enough)?;
         let (minimum, saved) = apart.worth_more(
             criterion,
             (self, one),

@@ -1,7 +1,6 @@
 //! What all samples together say of the plate's nodes.
 
-use super::context::Sizes;
-use super::grid::Grid;
+use super::grid::PrecisionRoot;
 use super::panels::Panels;
 use super::tiles::{self, SIDE, Tile};
 use super::vectors::wide;
@@ -17,10 +16,9 @@ pub(super) struct Information {
 }
 
 impl Information {
-    /// Adds the rows' Gram matrix to the prior precision and factors the sum.
-    pub(super) fn new(panels: &Panels, grid: &Grid, sizes: &Sizes) -> Self {
-        let (blocks, nodes) = (panels.blocks, grid.nodes);
-        let root = grid.precision_root(sizes);
+    /// Adds the rows' Gram matrix to the prior precision, R'R of so many nodes, and factors the sum.
+    pub(super) fn new(panels: &Panels, root: &PrecisionRoot, nodes: usize) -> Self {
+        let blocks = panels.blocks;
         // The prior reaches into the next block of nodes.
         let width = panels.width.max(2).min(blocks);
         let mut factor = vec![[[0.0; SIDE]; SIDE]; blocks * width];

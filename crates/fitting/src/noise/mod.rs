@@ -14,8 +14,8 @@
 //! with f the friction force that the model predicts. Where [`Sizes::smoothing`] is not zero both covariances are those of a
 //! smoother field (N7), with a smoothing of its own for q where [`Sizes::plate_smoothing`] is not zero; `plate_ratio` is one unless the record says otherwise. Behind a filter of the channel or a resonance the record holds all but e as these show it (N5, N6, N8); a wander is slow against both. The
 //! field q is the same in every run: it repeats, and no law could mend it. All sizes and the length are estimated by restricted maximum likelihood; whitening takes time linear
-//! in the samples: a Kalman filter along each run for u, e and a, a banded square-root information filter on a grid of
-//! plate nodes for q, a low-rank root for b.
+//! in the samples: a Kalman filter along each run for u, e and a; for q on a grid of plate nodes a banded least-squares problem of all samples
+//! at once (N10), or a square-root information filter from sample to sample where innovations are asked for; a low-rank root for b.
 //!
 //! This module knows forces, distances and runs as plain numbers, and no friction.
 
@@ -32,6 +32,7 @@ mod grid;
 mod information;
 mod lag;
 mod panels;
+mod quadratic;
 mod restricted;
 mod ring;
 mod rotations;

@@ -20,6 +20,7 @@ use super::field::Field;
 use super::grid::Grid;
 use super::rows::Rows;
 use super::scatter::{orthonormal_basis, stacked_gains};
+use super::search::Level;
 use super::tiles::{SIDE, Tile};
 use super::vectors::{dot, dots, wide};
 
@@ -109,13 +110,13 @@ impl<'a> Criterion<'a> {
         }
     }
 
-    /// Inverse of the curvature that C may be expected to have at `x`, a point that stands for these sizes.
-    pub(super) fn inverse_curvature(
+    /// The curvature that C may be expected to have at `x`, a point that stands for these sizes.
+    pub(super) fn curvature(
         &self,
         sizes: impl Fn(&[f64]) -> Sizes,
         x: &[f64],
     ) -> Option<DMatrix<f64>> {
-        self.spectra.inverse_curvature(sizes, x)
+        self.spectra.curvature(sizes, x)
     }
 
     /// Degrees of freedom that the mean leaves.
@@ -141,10 +142,15 @@ impl<'a> Criterion<'a> {
 
     /// C of (N3); infinite where the sizes make no covariance.
     pub(super) fn value(&self, sizes: &Sizes, spacing: f64) -> f64 {
+        self.level(sizes, spacing).value
+    }
+
+    /// The same with r' P r, which tells how C changes as all sizes grow together.
+    pub(super) fn level(&self, sizes: &Sizes, spacing: f64) -> Level {
         let (gram, log_det) = self.whitened(self.columns.clone(), sizes, spacing);
         let p = gram.nrows() - 1;
         let Some(factor) = Cholesky::new(gram.view((0, 0), (p, p)).into_owned()) else {
-            return f64::INFINITY;
+            return Level::NONE;
         };
         let cross = gram.view((0, p), (p, 1)).into_owned();
         let explained = if p > 0 {
@@ -154,11 +160,12 @@ impl<'a> Criterion<'a> {
         };
         let lower = factor.l();
         let log_mean: f64 = 2.0 * (0..p).map(|j| lower[(j, j)].ln()).sum::<f64>();
-        let value = log_det + log_mean + gram[(p, p)] - explained;
+        let squares = gram[(p, p)] - explained;
+        let value = log_det + log_mean + squares;
         if value.is_finite() {
-            value
+            Level { value, squares }
         } else {
-            f64::INFINITY
+            Level::NONE
         }
     }
 

@@ -1,183 +1,236 @@
-//! A small quasi-Newton search (BFGS) for smooth functions of a few logarithms, with differences for the gradient.
+//! A small quasi-Newton search for the sizes of the noise, in their logarithms, with differences for the gradient.
 //!
-//! The restricted likelihood costs milliseconds and is smooth to about 1e-6, so that steps of 0.002 in a logarithm give its slope to
-//! some 1e-3. Longer steps do harm: a difference to one side is off by half a step times that coordinate's own curvature, and along
+//! Where the standard deviations of all parts grow by e^t, V grows by e^(2t), and of C of (N3) with n - p degrees of freedom it is known
+//! without an evaluation that
+//!
+//! ```text
+//! C(t) = C(0) + 2 (n - p) t + (e^(-2t) - 1) r' P r                                                             (N11)
+//! ```
+//!
+//! So every point is moved to where this is least, t = log(r' P r / (n - p)) / 2, and one slope of those of the standard deviations follows from
+//! the others: all together they are 2 (n - p) - 2 r' P r. It is that of the part with the most curvature that is not asked for, as the others'
+//! errors add up in it.
+//!
+//! The restricted likelihood costs milliseconds and is smooth to about 1e-6, so that steps of 0.0005 in a logarithm give its slope to
+//! some 4e-3. Longer steps do harm: a difference to one side is off by half a step times that coordinate's own curvature, and along
 //! a ridge (length against size and smoothing) a small error of the slope is a long way. With steps of 0.02 searches ended up to a quarter
 //! short in length.
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+use super::quadratic::Quadratic;
+
 /// Step of the differences.
-const STEP: f64 = 0.002;
+const STEP: f64 = 0.0005;
 /// How far a search goes: a step that promises to lower -2 log likelihood by less than this is not worth taking.
 pub(super) const TO_THE_END: f64 = 0.02;
 /// The same where another search follows, or where what is compared must differ by tens.
 pub(super) const NEAR: f64 = 0.3;
 
-/// Inverse of the curvature before any is met.
-const FIRST: f64 = 0.1;
+/// Curvature before any is met.
+const FIRST: f64 = 10.0;
+
+/// Shares of a step that was too long, least and most, which are tried next.
+const SHORTER: (f64, f64) = (0.1, 0.5);
+/// Longest step in a coordinate.
+const LONGEST: f64 = 1.5;
+/// Damping below which there is none.
+const UNDAMPED: f64 = 0.01;
 
 /// Where a search ended.
+#[derive(Clone)]
 pub(super) struct Minimum {
     pub(super) point: Vec<f64>,
-    /// Estimate of the inverse of the Hessian there.
-    pub(super) inverse: DMatrix<f64>,
+    /// Estimate of the Hessian there.
+    pub(super) hessian: DMatrix<f64>,
     pub(super) value: f64,
     pub(super) evaluations: usize,
     pub(super) converged: bool,
 }
 
-/// Minimises `f` within box bounds from `start`, with an estimate of the inverse of the Hessian where there is one, as far as `worthwhile`
-/// steps lead.
+/// -2 log likelihood at a point.
+#[derive(Clone, Copy)]
+pub(super) struct Level {
+    /// C of (N3).
+    pub(super) value: f64,
+    /// r' P r there.
+    pub(super) squares: f64,
+}
+
+impl Level {
+    /// Where there is no likelihood.
+    pub(super) const NONE: Self = Self {
+        value: f64::INFINITY,
+        squares: 0.0,
+    };
+}
+
+/// What is searched for, and how it depends on its coordinates.
+pub(super) struct Problem<'a> {
+    pub(super) level: &'a (dyn Fn(&[f64]) -> Level + Sync),
+    pub(super) bounds: &'a [(f64, f64)],
+    /// Coordinates that are logarithms of standard deviations of all parts of the noise.
+    pub(super) parts: &'a [usize],
+    /// A coordinate on which nothing depends.
+    pub(super) idle: Option<usize>,
+    /// n - p of (N11).
+    pub(super) degrees_of_freedom: f64,
+}
+
+/// A point and its level.
+struct Reached {
+    point: DVector<f64>,
+    level: Level,
+}
+
+impl Problem<'_> {
+    fn clamp(&self, x: &DVector<f64>) -> DVector<f64> {
+        let within = x.iter().zip(self.bounds);
+        DVector::from_iterator(x.len(), within.map(|(v, (lo, hi))| v.clamp(*lo, *hi)))
+    }
+
+    /// The likeliest of the points that have the standard deviations of `point` times a common factor, as far as bounds allow, (N11).
+    fn reach(&self, mut point: DVector<f64>) -> Reached {
+        let Level { value, squares } = (self.level)(point.as_slice());
+        let parts = || self.parts.iter().map(|&k| (point[k], self.bounds[k]));
+        let least = parts().map(|(x, (lo, _))| lo - x).fold(f64::MIN, f64::max);
+        let most = parts().map(|(x, (_, hi))| hi - x).fold(f64::MAX, f64::min);
+        let t = 0.5 * (squares / self.degrees_of_freedom).ln();
+        if self.parts.is_empty() || !t.is_finite() || least > most {
+            let level = Level { value, squares };
+            return Reached { point, level };
+        }
+        let t = t.clamp(least, most);
+        self.parts.iter().for_each(|&k| point[k] += t);
+        let level = Level {
+            value: value + 2.0 * self.degrees_of_freedom * t + (-2.0 * t).exp_m1() * squares,
+            squares: squares * (-2.0 * t).exp(),
+        };
+        Reached { point, level }
+    }
+
+    /// Slopes by forward differences, evaluated side by side (the order of the results is fixed), but for that of `inferred`, which
+    /// follows from the others'.
+    fn slopes(
+        &self,
+        at: &Reached,
+        inferred: Option<usize>,
+        evaluations: &mut usize,
+    ) -> DVector<f64> {
+        let n = at.point.len();
+        let asked: Vec<usize> = (0..n)
+            .filter(|&k| inferred != Some(k) && self.idle != Some(k))
+            .collect();
+        *evaluations += asked.len();
+        let of = |&k: &usize| {
+            let mut beside = at.point.clone();
+            beside[k] += STEP;
+            ((self.level)(beside.as_slice()).value - at.level.value) / STEP
+        };
+        let known: Vec<f64> = asked.par_iter().map(of).collect();
+        let mut slopes = DVector::zeros(n);
+        asked.iter().zip(known).for_each(|(&k, s)| slopes[k] = s);
+        if let Some(inferred) = inferred {
+            let others: f64 = self.parts.iter().map(|&k| slopes[k]).sum();
+            slopes[inferred] = 2.0 * (self.degrees_of_freedom - at.level.squares) - others;
+        }
+        slopes
+    }
+
+    /// The part whose logarithm has the most curvature.
+    fn most_curved(&self, curvature: &DMatrix<f64>) -> Option<usize> {
+        let parts = self.parts.iter().copied();
+        parts.max_by(|&a, &b| curvature[(a, a)].total_cmp(&curvature[(b, b)]))
+    }
+}
+
+/// Minimises within the bounds from `start`, as far as `worthwhile` steps lead, with the curvature that may be expected there (positive definite,
+/// `None`: nothing is expected) and an estimate of the Hessian where one is known better.
 pub(super) fn minimise(
-    f: &(dyn Fn(&[f64]) -> f64 + Sync),
+    problem: &Problem<'_>,
     start: &[f64],
-    inverse: Option<DMatrix<f64>>,
-    bounds: &[(f64, f64)],
+    expected: Option<DMatrix<f64>>,
+    hessian: Option<DMatrix<f64>>,
     worthwhile: f64,
 ) -> Minimum {
     const MOST_ITERATIONS: usize = 25;
+    const MOST_TRIALS: usize = 8;
     let n = start.len();
-    let clamp = |x: &DVector<f64>| -> DVector<f64> {
-        DVector::from_iterator(
-            n,
-            x.iter().zip(bounds).map(|(v, (lo, hi))| v.clamp(*lo, *hi)),
-        )
-    };
-    let mut x = clamp(&DVector::from_column_slice(start));
-    let mut value = f(x.as_slice());
+    let mut at = problem.reach(problem.clamp(&DVector::from_column_slice(start)));
     let mut evaluations = 1;
-    let mut inverse = inverse.unwrap_or_else(|| DMatrix::identity(n, n) * FIRST);
-    let mut slope = gradient(f, &x, value, &mut evaluations);
+    let expected = expected.unwrap_or_else(|| DMatrix::identity(n, n) * FIRST);
+    let inferred = problem.most_curved(&expected);
+    let mut model = Quadratic::new(expected, hessian);
+    let mut slope = problem.slopes(&at, inferred, &mut evaluations);
     let mut converged = false;
     let mut promised_before = None;
+    let mut damping = 0.0;
     for _ in 0..MOST_ITERATIONS {
-        let mut direction = step_within(&x, &slope, &inverse, bounds);
-        if direction.dot(&slope) >= 0.0 {
-            direction = clamp(&(&x - &slope * 0.05)) - &x;
-        }
-        let longest = direction.amax();
-        if longest > 1.5 {
-            direction *= 1.5 / longest;
-        }
+        let step = |damping: f64| {
+            let mut step = model.step(&at.point, &slope, problem.bounds, damping);
+            let longest = step.amax();
+            if longest > LONGEST {
+                step *= LONGEST / longest;
+            }
+            step
+        };
+        let mut direction = step(0.0);
         let promised = direction.dot(&slope);
         if promised.abs() < worthwhile {
             converged = true;
             break;
         }
-        let mut length = 1.0;
         let mut accepted = None;
-        for _ in 0..8 {
-            let trial = clamp(&(&x + &direction * length));
-            let trial_value = f(trial.as_slice());
+        for _ in 0..MOST_TRIALS {
+            if damping > 0.0 {
+                direction = step(damping);
+            }
+            let trial = problem.reach(problem.clamp(&(&at.point + &direction)));
             evaluations += 1;
-            if trial_value < value + 1e-4 * length * promised {
-                accepted = Some((trial, trial_value));
+            let beyond = trial.level.value - at.level.value;
+            let along = direction.dot(&slope);
+            let share = beyond / model.change(&direction, &slope);
+            if beyond < 1e-4 * along {
+                accepted = Some(trial);
+                damping = match share {
+                    s if s > 0.75 => 0.1 * damping,
+                    s if s < 0.25 => 4.0 * (damping + 0.25),
+                    _ => damping,
+                };
                 break;
             }
-            length *= 0.35;
+            // Where the parabola through both values with the slope here is least.
+            let least = (-0.5 * along / (beyond - along)).clamp(SHORTER.0, SHORTER.1);
+            damping = (1.0 + damping) / least - 1.0;
         }
-        let Some((next, next_value)) = accepted else {
+        let Some(next) = accepted else {
             converged = promised.abs() < 0.5;
             break;
         };
+        if damping < UNDAMPED {
+            damping = 0.0;
+        }
         // The promises of whole steps fall by a factor. Where the next one, fallen as much, would not be worth taking, no slope is needed.
+        let whole = damping == 0.0;
         let fallen = promised_before.map_or(1.0, |before: f64| promised / before);
-        if length == 1.0 && promised.abs() * fallen < worthwhile {
-            (x, value, converged) = (next, next_value, true);
+        if whole && promised.abs() * fallen < worthwhile {
+            (at, converged) = (next, true);
             break;
         }
-        promised_before = (length == 1.0).then_some(promised);
-        let next_slope = gradient(f, &next, next_value, &mut evaluations);
-        update(&mut inverse, &(&next - &x), &(&next_slope - &slope));
-        x = next;
-        value = next_value;
+        promised_before = whole.then_some(promised);
+        let next_slope = problem.slopes(&next, inferred, &mut evaluations);
+        model.update(&(&next.point - &at.point), &(&next_slope - &slope));
+        at = next;
         slope = next_slope;
     }
     Minimum {
-        point: x.as_slice().to_vec(),
-        inverse,
-        value,
+        point: at.point.as_slice().to_vec(),
+        hessian: model.hessian,
+        value: at.level.value,
         evaluations,
         converged,
     }
-}
-
-/// Forward differences, evaluated side by side (the order of the results is fixed).
-fn gradient(
-    f: &(dyn Fn(&[f64]) -> f64 + Sync),
-    x: &DVector<f64>,
-    value: f64,
-    evaluations: &mut usize,
-) -> DVector<f64> {
-    let n = x.len();
-    *evaluations += n;
-    let values: Vec<f64> = (0..n)
-        .into_par_iter()
-        .map(|k| {
-            let mut at = x.clone();
-            at[k] += STEP;
-            f(at.as_slice())
-        })
-        .collect();
-    DVector::from_fn(n, |i, _| (values[i] - value) / STEP)
-}
-
-/// The step d to the minimum of the quadratic model with the slope g and the inverse Hessian M, within the bounds: coordinates B that
-/// would leave them end on them, t away, and the others go where the model has its minimum beside these,
-///
-/// ```text
-/// d = -M g + M_.B M_BB^-1 (t + (M g)_B).
-/// ```
-///
-/// -(M g)_F alone is the step of the others were B free to follow: where size and length make up for a smoothing that lies on its bound,
-/// it is a hundred times too long.
-fn step_within(
-    x: &DVector<f64>,
-    slope: &DVector<f64>,
-    inverse: &DMatrix<f64>,
-    bounds: &[(f64, f64)],
-) -> DVector<f64> {
-    let free = -(inverse * slope);
-    let room = |i: usize| (bounds[i].0 - x[i], bounds[i].1 - x[i]);
-    // What presses on a bound stands still.
-    let mut ended: Vec<(usize, f64)> = (0..x.len())
-        .filter(|&i| (room(i).0 >= 0.0 && slope[i] > 0.0) || (room(i).1 <= 0.0 && slope[i] < 0.0))
-        .map(|i| (i, 0.0))
-        .collect();
-    loop {
-        let at: Vec<usize> = ended.iter().map(|(i, _)| *i).collect();
-        let columns = inverse.select_columns(&at);
-        let further = ended.iter().map(|&(i, target)| target - free[i]);
-        let further = DVector::from_iterator(ended.len(), further);
-        let mut step = match Cholesky::new(columns.select_rows(&at)) {
-            Some(own) => &free + &columns * own.solve(&further),
-            None => free.clone(),
-        };
-        ended.iter().for_each(|&(i, target)| step[i] = target);
-        let beyond = |i: usize| {
-            let inside = step[i].clamp(room(i).0, room(i).1);
-            (inside != step[i] && !at.contains(&i)).then_some((i, inside))
-        };
-        let left: Vec<(usize, f64)> = (0..x.len()).filter_map(beyond).collect();
-        if left.is_empty() {
-            return step;
-        }
-        ended.extend(left);
-    }
-}
-
-/// The BFGS update of the inverse Hessian, skipped where the curvature is not positive.
-fn update(inverse: &mut DMatrix<f64>, step: &DVector<f64>, change: &DVector<f64>) {
-    let curvature = step.dot(change);
-    if curvature <= 1e-10 * step.norm() * change.norm() {
-        return;
-    }
-    let rho = 1.0 / curvature;
-    let n = step.len();
-    let left = DMatrix::identity(n, n) - step * change.transpose() * rho;
-    *inverse = &left * &*inverse * left.transpose() + step * step.transpose() * rho;
 }
 
 /// Standard deviations of the coordinates from the curvature of `f` = -2 log likelihood; infinite where it is flat.
@@ -222,17 +275,32 @@ pub(super) fn standard_deviations(f: &(dyn Fn(&[f64]) -> f64 + Sync), x: &[f64])
 mod tests {
     use super::*;
 
+    fn plain(value: f64) -> Level {
+        Level {
+            value,
+            ..Level::NONE
+        }
+    }
+
+    fn without_parts<'a>(
+        level: &'a (dyn Fn(&[f64]) -> Level + Sync),
+        bounds: &'a [(f64, f64)],
+    ) -> Problem<'a> {
+        Problem {
+            level,
+            bounds,
+            parts: &[],
+            idle: None,
+            degrees_of_freedom: 1.0,
+        }
+    }
+
     /// Where every coordinate presses on its bound the search has come to its end.
     #[test]
     fn a_corner_is_an_end() {
-        let plane = |x: &[f64]| 10.0 * x[0] - 20.0 * x[1];
-        let found = minimise(
-            &plane,
-            &[0.0, 1.0],
-            None,
-            &[(0.0, 1.0), (0.0, 1.0)],
-            TO_THE_END,
-        );
+        let plane = |x: &[f64]| plain(10.0 * x[0] - 20.0 * x[1]);
+        let problem = without_parts(&plane, &[(0.0, 1.0), (0.0, 1.0)]);
+        let found = minimise(&problem, &[0.0, 1.0], None, None, TO_THE_END);
         assert!(found.converged);
         assert_eq!((found.point, found.evaluations), (vec![0.0, 1.0], 3));
     }
@@ -245,16 +313,16 @@ mod tests {
         let middle = DVector::from_vec(vec![-3.0, 3.0]);
         let valley = |x: &[f64]| {
             let off = DVector::from_column_slice(x) - &middle;
-            0.5 * off.dot(&(&hessian * &off))
+            plain(0.5 * off.dot(&(&hessian * &off)))
         };
-        let bounds = [(-10.0, 10.0), (-10.0, 0.0)];
+        let problem = without_parts(&valley, &[(-10.0, 10.0), (-10.0, 0.0)]);
         // d/dx at y = 0: 200 (x + 3) - 199.9 * 3 = 0
         let there = 3.0 * 199.9 / 200.0 - 3.0;
         // The second coordinate presses on its bound at the first start, is drawn away from it by its slope at the next, and comes to it from
         // the last.
         for (first, second) in [(-0.05, 0.0), (0.05, 0.0), (0.2, -0.1)] {
-            let inverse = hessian.clone().try_inverse();
-            let found = minimise(&valley, &[first, second], inverse, &bounds, TO_THE_END);
+            let expected = Some(hessian.clone());
+            let found = minimise(&problem, &[first, second], expected, None, TO_THE_END);
             assert!(found.converged);
             let off = (found.point[0] - there).abs();
             assert!(off < 2.0 * STEP, "{first}: {:?}", found.point);

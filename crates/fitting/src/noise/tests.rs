@@ -117,6 +117,12 @@ const APART: Sizes = Sizes {
     ..SIZES
 };
 
+/// Roughness of the plate that is longer than that of the runs, both smooth.
+const SMOOTH_APART: Sizes = Sizes {
+    smoothing: 0.7,
+    ..APART
+};
+
 /// Roughness that is smooth, that of the plate still more so.
 const SMOOTH_PLATE: Sizes = Sizes {
     smoothing: 0.15,

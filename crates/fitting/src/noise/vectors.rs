@@ -13,7 +13,18 @@ const LANES: usize = 8;
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     wide(
         #[inline(always)]
-        || dots([a, a], [b, b])[0][0],
+        || {
+            let mut lanes = [0.0; LANES];
+            let (left, right) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+            let rest = left.remainder().iter().zip(right.remainder());
+            let rest: f64 = rest.map(|(x, y)| x * y).sum();
+            for (a, b) in left.zip(right) {
+                for k in 0..LANES {
+                    lanes[k] = a[k].mul_add(b[k], lanes[k]);
+                }
+            }
+            lanes.iter().sum::<f64>() + rest
+        },
     )
 }
 

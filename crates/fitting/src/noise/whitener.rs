@@ -41,7 +41,8 @@ pub struct Whitener {
 /// What takes the plate's field out.
 #[derive(Clone)]
 enum Plate {
-    Smooth,
+    /// There is none.
+    NoField,
     AtOnce(Arc<Field>),
     BySample(Arc<Rotations>),
 }
@@ -93,7 +94,7 @@ impl Whitener {
         let (of_plate, plate) = if sizes.plate > 0.0 {
             plate(&Rows::new(context, sizes, &grid, &along), &grid)
         } else {
-            (0.0, Plate::Smooth)
+            (0.0, Plate::NoField)
         };
         let whitener = Self {
             runs: context.runs.clone().into(),
@@ -134,7 +135,7 @@ impl Whitener {
     /// Whether the scatter's root is taken of all runs together. Without a field that they share runs are independent: run by run is then
     /// exact.
     fn couples_runs(&self) -> bool {
-        !matches!(self.plate, Plate::Smooth) && self.runs.len() <= RUNS_TOGETHER
+        !matches!(self.plate, Plate::NoField) && self.runs.len() <= RUNS_TOGETHER
     }
 
     /// W r.
@@ -170,7 +171,7 @@ impl Whitener {
             scatter.apply(column);
         }
         match &self.plate {
-            Plate::Smooth => {}
+            Plate::NoField => {}
             Plate::AtOnce(field) => field.whiten_transposed(column),
             Plate::BySample(rotations) => rotations.whiten_transposed(column),
         }
@@ -190,7 +191,7 @@ impl Whitener {
         }
         self.along.whiten(&mut samples);
         match &self.plate {
-            Plate::Smooth => {}
+            Plate::NoField => {}
             Plate::AtOnce(field) => field.whiten(columns),
             Plate::BySample(rotations) => rotations.whiten(columns),
         }
@@ -205,7 +206,7 @@ impl Whitener {
     pub fn rows(&self) -> usize {
         let nodes = match &self.plate {
             Plate::AtOnce(field) => field.nodes,
-            Plate::Smooth | Plate::BySample(_) => 0,
+            Plate::NoField | Plate::BySample(_) => 0,
         };
         self.samples() + nodes
     }

@@ -166,7 +166,7 @@ fn plate_field_agrees_with_the_dense_covariance() {
 /// The three linear-time paths (the field taken out at once, sample by sample, and not at all but in inner products) are the same covariance.
 #[test]
 fn the_ways_to_take_the_field_out_agree() {
-    for sizes in [SIZES, SMOOTH, APART, SMOOTH_PLATE, WANDERING] {
+    for sizes in [SIZES, SMOOTH, APART, SMOOTH_APART, SMOOTH_PLATE, WANDERING] {
         agree(&Sizes {
             scatter: 0.0,
             ..sizes
@@ -208,6 +208,32 @@ fn agree(sizes: &Sizes) {
     let (at_once, by_sample) = (of(&at_once), of(&by_sample));
     assert!((value - at_once).abs() < 1e-6, "{value} {at_once}");
     assert!((value - by_sample).abs() < 1e-2, "{value} {by_sample}");
+}
+
+/// Where all standard deviations grow by one factor the criterion changes as (N11) says.
+#[test]
+fn what_a_common_factor_does_is_known() {
+    let context = ramps(150, 3);
+    let wave = DMatrix::from_fn(context.samples(), 1, |i, _| (30.0 * context.place[i]).cos());
+    for sizes in [SIZES, SMOOTH_APART, WANDERING] {
+        let r = draw(&context, &sizes, 2);
+        let criterion = Criterion::new(&context, &wave, true, &r);
+        let spacing = sizes.node_spacing(context.sampling());
+        let level = criterion.level(&sizes, spacing);
+        let t = 0.3_f64;
+        let larger = |size: f64| size * t.exp();
+        let grown = Sizes {
+            sensor: larger(sizes.sensor),
+            wander: larger(sizes.wander),
+            private: larger(sizes.private),
+            plate: larger(sizes.plate),
+            ..sizes
+        };
+        let freedom = criterion.degrees_of_freedom() as f64;
+        let known = level.value + 2.0 * freedom * t + (-2.0 * t).exp_m1() * level.squares;
+        let value = criterion.value(&grown, spacing);
+        assert!((value - known).abs() < 1e-6, "{value} {known}");
+    }
 }
 
 /// (W a)'b = a'(W'b).

@@ -118,6 +118,17 @@ fn a_plate_smoother_than_the_runs_is_told_from_one_that_is_alike() {
     assert!((plate - SMOOTH_PLATE.plate.ln()).abs() < 0.25, "{apart:?}");
 }
 
+/// Smooth roughness of two lengths is told from smooth roughness of one.
+#[test]
+fn smooth_roughness_may_have_two_lengths() {
+    let context = ramps(300, 3);
+    let [one, two] = [SMOOTH, SMOOTH_APART].map(|sizes| estimates(&context, &sizes, 260));
+    let of_two = |s: &&Sizes| s.plate_ratio > 1.5;
+    assert!(one.iter().filter(of_two).count() <= 1, "{one:?}");
+    let smooth = two.iter().filter(of_two).filter(|s| s.smoothing > 0.1);
+    assert!(smooth.count() >= 5, "{two:?}");
+}
+
 /// Six runs that go back and forth on a plate of 0.1 m, each over a stretch and with a period of its own.
 fn oscillations(samples: usize) -> Context {
     let mut context = ramps(samples, 3);
