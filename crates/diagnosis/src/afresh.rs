@@ -22,7 +22,9 @@ use crate::valleys::deepest;
 
 /// Strength of the best candidate (in standard deviations) from which the law alone is not trusted: several times what
 /// is needed to be seen.
-pub(crate) const STRONG: f64 = 12.0;
+const STRONG: f64 = 12.0;
+/// The same where the law has more parameters than the campaign has conditions: each of its curves is then bent to a cause easily.
+const STRONG_ON_FEW: f64 = 7.0;
 /// Starts of the law that are tried with each cause, beside where the law stands.
 const LAW_STARTS: usize = 20;
 /// Sizes and shapes of each cause that are tried with each start of the law.
@@ -54,6 +56,16 @@ const FINISHED_IN_FOLD: usize = 2;
 const DEEPEST_VALLEY: f64 = 250.0;
 /// Best candidates that are asked inside a fold.
 const ASKED_IN_FOLD: usize = 3;
+
+/// The strength from which the law alone is not trusted.
+pub(crate) fn strong(bench: &Bench<'_>) -> f64 {
+    let conditions = bench.conditions.iter().max().map_or(0, |last| last + 1);
+    if conditions < bench.law.parameters().len() {
+        STRONG_ON_FEW
+    } else {
+        STRONG
+    }
+}
 
 /// Which candidates are fitted: all, for what they score beside a law that is bent means little (a delay of four samples beside a load
 /// dependence, 32 standard deviations, scored less than eight others); inside a fold the best and what the whole campaign named.

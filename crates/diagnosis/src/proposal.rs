@@ -1,6 +1,6 @@
 //! What one round of the selection proposes: the cause that saves most beside what is named.
 
-use crate::afresh::{STRONG, afresh};
+use crate::afresh::{afresh, strong};
 use crate::bench::{Bench, Fitted};
 use crate::joint::{joint_fits, survivors};
 use crate::scan::Scan;
@@ -69,7 +69,8 @@ impl Seen<'_, '_> {
     /// bent to them, and its noise, they may score little), and where the law has run to a bound, the stand's parameters are not trusted.
     pub(crate) fn proposal(&self, threshold: f64, depth: Depth) -> Option<Proposal> {
         let best = self.found.candidates.first().map_or(0.0, |c| c.score.z());
-        let mut afresh = (best > STRONG).then(|| self.afresh()).flatten();
+        let strong = strong(self.bench);
+        let mut afresh = (best > strong).then(|| self.afresh()).flatten();
         let keeps = |promised: f64, next: &Proposal| next.drop > KEPT * promised;
         if afresh
             .as_ref()
@@ -79,9 +80,9 @@ impl Seen<'_, '_> {
         }
         let beside = self.beside(threshold, depth);
         let drop = beside.as_ref().map_or(0.0, |next| next.drop);
-        let is_strong = drop > STRONG.powi(2);
+        let is_strong = drop > strong.powi(2);
         let at_bound = || self.stand.fitted.law_at_bounds().next().is_some();
-        if best <= STRONG && (is_strong || self.warm.is_none() && at_bound()) {
+        if best <= strong && (is_strong || self.warm.is_none() && at_bound()) {
             afresh = self.afresh();
         }
         // A search under the noise of a healthy rig may lose what the stand's own noise shows plainly; nor need a fit beside the stand keep
