@@ -27,8 +27,9 @@ const RELAXATIONS: [f64; 3] = [0.1, 0.2, 0.4];
 const MEMORIES: [f64; 3] = [0.05, 0.1, 0.2];
 /// and the share of its variance that the gains hold that are asked for.
 const HELD: f64 = 0.95;
-/// Kinds of questions that share what may be spent: sets, families and manners.
-const SHARED: f64 = 3.0;
+/// Inverse shares of what may be spent: of sets and of families, and of manners, which are few.
+const MOSTLY: f64 = 2.1;
+const HARDLY: f64 = 21.0;
 /// Runs for each cosine that a course needs at least.
 const RUNS_A_COSINE: usize = 3;
 
@@ -121,7 +122,7 @@ fn questions(began: &[f64], levels: &[usize]) -> Vec<Question> {
         );
     }
     let priced = |all: Vec<DMatrix<f64>>| {
-        let price = (SHARED * all.len() as f64).ln();
+        let price = (MOSTLY * all.len() as f64).ln();
         all.into_iter().map(move |gains| Question { gains, price })
     };
     let shared = |runs: Vec<usize>| {
@@ -166,7 +167,7 @@ fn following(manners: &[Vec<f64>]) -> Vec<Question> {
     const SPREAD: f64 = 0.05;
     /// Runs of which a manner must be known.
     const FEWEST: usize = 4;
-    let price = (SHARED * manners.len() as f64).ln();
+    let price = (HARDLY * manners.len() as f64).ln();
     let gains = |manner: &Vec<f64>| {
         let logs: Vec<Option<f64>> = (manner.iter())
             .map(|&x| (x > 0.0 && x.is_finite() && x < 1e300).then(|| x.ln()))

@@ -198,7 +198,7 @@ impl Frame {
         let fine = self.near(criterion, &plain.point, spacing);
         *evaluations += fine.evaluations;
         let as_fine = fine.value;
-        saves(as_fine).then(|| Further {
+        saves(as_fine).then_some(Further {
             frame: smooth,
             minimum: found,
             saved: as_fine - own,

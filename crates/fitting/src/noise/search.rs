@@ -145,6 +145,94 @@ impl Problem<'_> {
     }
 }
 
+/// How far a search has come.
+struct Walk<'a> {
+    problem: &'a Problem<'a>,
+    at: Reached,
+    slope: DVector<f64>,
+    model: Quadratic,
+    damping: f64,
+    /// The coordinate whose slope follows from the others'.
+    inferred: Option<usize>,
+    evaluations: usize,
+}
+
+impl<'a> Walk<'a> {
+    fn from(problem: &'a Problem<'a>, start: &[f64], model: Quadratic) -> Self {
+        let at = problem.reach(problem.clamp(&DVector::from_column_slice(start)));
+        let inferred = problem.most_curved(&model.expected_curvature());
+        let mut evaluations = 1;
+        Self {
+            slope: problem.slopes(&at, inferred, &mut evaluations),
+            problem,
+            at,
+            model,
+            damping: 0.0,
+            inferred,
+            evaluations,
+        }
+    }
+
+    fn step(&self, damping: f64) -> DVector<f64> {
+        let bounds = self.problem.bounds;
+        let mut step = (self.model).step(&self.at.point, &self.slope, bounds, damping);
+        let longest = step.amax();
+        if longest > LONGEST {
+            step *= LONGEST / longest;
+        }
+        step
+    }
+
+    /// Where a step leads, damped until it lowers the value; `None` where none does.
+    fn trial(&mut self, undamped: DVector<f64>) -> Option<Reached> {
+        const MOST_TRIALS: usize = 8;
+        let mut step = undamped;
+        for _ in 0..MOST_TRIALS {
+            if self.damping > 0.0 {
+                step = self.step(self.damping);
+            }
+            let next = (self.problem).reach(self.problem.clamp(&(&self.at.point + &step)));
+            self.evaluations += 1;
+            let beyond = next.level.value - self.at.level.value;
+            let along = step.dot(&self.slope);
+            if beyond < 1e-4 * along {
+                let share = beyond / self.model.change(&step, &self.slope);
+                self.damping = match share {
+                    s if s > 0.75 => 0.1 * self.damping,
+                    s if s < 0.25 => 4.0 * (self.damping + 0.25),
+                    _ => self.damping,
+                };
+                if self.damping < UNDAMPED {
+                    self.damping = 0.0;
+                }
+                return Some(next);
+            }
+            // Where the parabola through both values with the slope here is least.
+            let least = (-0.5 * along / (beyond - along)).clamp(SHORTER.0, SHORTER.1);
+            self.damping = (1.0 + self.damping) / least - 1.0;
+        }
+        None
+    }
+
+    /// Goes there, and learns from the slope there.
+    fn go(&mut self, next: Reached) {
+        let slope = (self.problem).slopes(&next, self.inferred, &mut self.evaluations);
+        let step = &next.point - &self.at.point;
+        self.model.update(&step, &(&slope - &self.slope));
+        (self.at, self.slope) = (next, slope);
+    }
+
+    fn end(self, converged: bool) -> Minimum {
+        Minimum {
+            point: self.at.point.as_slice().to_vec(),
+            hessian: self.model.hessian,
+            value: self.at.level.value,
+            evaluations: self.evaluations,
+            converged,
+        }
+    }
+}
+
 /// Minimises within the bounds from `start`, as far as `worthwhile` steps lead, with the curvature that may be expected there (positive definite,
 /// `None`: nothing is expected) and an estimate of the Hessian where one is known better.
 pub(super) fn minimise(
@@ -155,82 +243,30 @@ pub(super) fn minimise(
     worthwhile: f64,
 ) -> Minimum {
     const MOST_ITERATIONS: usize = 25;
-    const MOST_TRIALS: usize = 8;
     let n = start.len();
-    let mut at = problem.reach(problem.clamp(&DVector::from_column_slice(start)));
-    let mut evaluations = 1;
     let expected = expected.unwrap_or_else(|| DMatrix::identity(n, n) * FIRST);
-    let inferred = problem.most_curved(&expected);
-    let mut model = Quadratic::new(expected, hessian);
-    let mut slope = problem.slopes(&at, inferred, &mut evaluations);
-    let mut converged = false;
+    let mut walk = Walk::from(problem, start, Quadratic::new(expected, hessian));
     let mut promised_before = None;
-    let mut damping = 0.0;
     for _ in 0..MOST_ITERATIONS {
-        let step = |damping: f64| {
-            let mut step = model.step(&at.point, &slope, problem.bounds, damping);
-            let longest = step.amax();
-            if longest > LONGEST {
-                step *= LONGEST / longest;
-            }
-            step
-        };
-        let mut direction = step(0.0);
-        let promised = direction.dot(&slope);
+        let step = walk.step(0.0);
+        let promised = step.dot(&walk.slope);
         if promised.abs() < worthwhile {
-            converged = true;
-            break;
+            return walk.end(true);
         }
-        let mut accepted = None;
-        for _ in 0..MOST_TRIALS {
-            if damping > 0.0 {
-                direction = step(damping);
-            }
-            let trial = problem.reach(problem.clamp(&(&at.point + &direction)));
-            evaluations += 1;
-            let beyond = trial.level.value - at.level.value;
-            let along = direction.dot(&slope);
-            let share = beyond / model.change(&direction, &slope);
-            if beyond < 1e-4 * along {
-                accepted = Some(trial);
-                damping = match share {
-                    s if s > 0.75 => 0.1 * damping,
-                    s if s < 0.25 => 4.0 * (damping + 0.25),
-                    _ => damping,
-                };
-                break;
-            }
-            // Where the parabola through both values with the slope here is least.
-            let least = (-0.5 * along / (beyond - along)).clamp(SHORTER.0, SHORTER.1);
-            damping = (1.0 + damping) / least - 1.0;
-        }
-        let Some(next) = accepted else {
-            converged = promised.abs() < 0.5;
-            break;
+        let Some(next) = walk.trial(step) else {
+            return walk.end(promised.abs() < 0.5);
         };
-        if damping < UNDAMPED {
-            damping = 0.0;
-        }
         // The promises of whole steps fall by a factor. Where the next one, fallen as much, would not be worth taking, no slope is needed.
-        let whole = damping == 0.0;
+        let whole = walk.damping == 0.0;
         let fallen = promised_before.map_or(1.0, |before: f64| promised / before);
         if whole && promised.abs() * fallen < worthwhile {
-            (at, converged) = (next, true);
-            break;
+            walk.at = next;
+            return walk.end(true);
         }
         promised_before = whole.then_some(promised);
-        let next_slope = problem.slopes(&next, inferred, &mut evaluations);
-        model.update(&(&next.point - &at.point), &(&next_slope - &slope));
-        at = next;
-        slope = next_slope;
+        walk.go(next);
     }
-    Minimum {
-        point: at.point.as_slice().to_vec(),
-        hessian: model.hessian,
-        value: at.level.value,
-        evaluations,
-        converged,
-    }
+    walk.end(false)
 }
 
 /// Standard deviations of the coordinates from the curvature of `f` = -2 log likelihood; infinite where it is flat.
