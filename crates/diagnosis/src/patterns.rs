@@ -27,9 +27,10 @@ const RELAXATIONS: [f64; 3] = [0.1, 0.2, 0.4];
 const MEMORIES: [f64; 3] = [0.05, 0.1, 0.2];
 /// and the share of its variance that the gains hold that are asked for.
 const HELD: f64 = 0.95;
-/// Inverse shares of what may be spent: of sets and of families, and of manners, which are few.
-const MOSTLY: f64 = 2.1;
-const HARDLY: f64 = 21.0;
+/// Shares of what may be spent: of sets, of families, and of manners, which are few.
+const OF_SETS: f64 = 0.5;
+const OF_FAMILIES: f64 = 0.45;
+const OF_MANNERS: f64 = 0.05;
 /// Runs for each cosine that a course needs at least.
 const RUNS_A_COSINE: usize = 3;
 
@@ -121,8 +122,8 @@ fn questions(began: &[f64], levels: &[usize]) -> Vec<Question> {
                 .filter_map(|memory| wandering(began, *memory)),
         );
     }
-    let priced = |all: Vec<DMatrix<f64>>| {
-        let price = (MOSTLY * all.len() as f64).ln();
+    let priced = |all: Vec<DMatrix<f64>>, share: f64| {
+        let price = (all.len() as f64 / share).ln();
         all.into_iter().map(move |gains| Question { gains, price })
     };
     let shared = |runs: Vec<usize>| {
@@ -132,7 +133,9 @@ fn questions(began: &[f64], levels: &[usize]) -> Vec<Question> {
     if ordered {
         sets.extend(jumps(began));
     }
-    priced(sets).chain(priced(families)).collect()
+    priced(sets, OF_SETS)
+        .chain(priced(families, OF_FAMILIES))
+        .collect()
 }
 
 /// How far and how fast each run goes, and how long the rig has rested before it.
@@ -167,7 +170,7 @@ fn following(manners: &[Vec<f64>]) -> Vec<Question> {
     const SPREAD: f64 = 0.05;
     /// Runs of which a manner must be known.
     const FEWEST: usize = 4;
-    let price = (HARDLY * manners.len() as f64).ln();
+    let price = (manners.len() as f64 / OF_MANNERS).ln();
     let gains = |manner: &Vec<f64>| {
         let logs: Vec<Option<f64>> = (manner.iter())
             .map(|&x| (x > 0.0 && x.is_finite() && x < 1e300).then(|| x.ln()))

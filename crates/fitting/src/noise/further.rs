@@ -342,7 +342,7 @@ impl Frame {
             WORTH_SECOND_LENGTH,
             evaluations,
         )?;
-        (saved >= self.a_step_saves(criterion, one, evaluations)).then_some(Further {
+        (saved >= self.a_step_or_slope_saves(criterion, one, evaluations)).then_some(Further {
             frame: apart,
             minimum,
             saved,
@@ -361,7 +361,8 @@ impl Frame {
         let minimum = frame.near(criterion, &one.point, spacing);
         *evaluations += minimum.evaluations;
         let saved = criterion.value(&self.sizes(&one.point), spacing) - minimum.value;
-        let enough = saved > WORTH_LONGER && saved > self.a_step_saves(criterion, one, evaluations);
+        let enough =
+            saved > WORTH_LONGER && saved > self.a_step_or_slope_saves(criterion, one, evaluations);
         enough.then_some(Further {
             frame,
             minimum,
@@ -369,9 +370,9 @@ impl Frame {
         })
     }
 
-    /// What a step in friction at one place of the plate would save of -2 log likelihood beside roughness of one length, all places at which
-    /// it was looked for paid for: a field that is long because of one step is no field.
-    fn a_step_saves(
+    /// What a step in friction at one place of the plate, or a slope along all of it, would save of -2 log likelihood beside roughness of one
+    /// length, all that were looked for paid for: a field that is long because of one of these is no field.
+    fn a_step_or_slope_saves(
         &self,
         criterion: &Criterion<'_>,
         one: &Minimum,
@@ -379,12 +380,12 @@ impl Frame {
     ) -> f64 {
         let sizes = self.sizes(&one.point);
         let spacing = self.spacing(&one.point);
-        let steps = criterion.steps(PLACES);
-        let Some(scores) = criterion.scores(&steps, &sizes, spacing) else {
+        let courses = criterion.steps_and_slope(PLACES);
+        let Some(scores) = criterion.scores(&courses, &sizes, spacing) else {
             return 0.0;
         };
         let likeliest = (0..scores.len()).max_by(|&a, &b| scores[a].total_cmp(&scores[b]));
-        let Some(step) = likeliest.map(|k| steps.columns(k, 1).into_owned()) else {
+        let Some(step) = likeliest.map(|k| courses.columns(k, 1).into_owned()) else {
             return 0.0;
         };
         // With the step in the mean the roughness is smaller: both change, and C of one mean is no measure for another (its
@@ -395,6 +396,8 @@ impl Frame {
         let new = self.sizes(&found.point);
         let taken = criterion.scores(&step, &new, spacing);
         let worse = criterion.value(&new, spacing) - criterion.value(&sizes, spacing);
-        taken.map_or(0.0, |taken| taken[0] - worse - 2.0 * (PLACES as f64).ln())
+        taken.map_or(0.0, |taken| {
+            taken[0] - worse - 2.0 * (scores.len() as f64).ln()
+        })
     }
 }

@@ -201,21 +201,21 @@ impl<'a> Criterion<'a> {
         self.with_columns(&DMatrix::from_fn(self.columns.nrows(), runs.len(), level))
     }
 
-    /// Friction beyond places of the plate, evenly chosen, as columns.
-    pub(super) fn steps(&self, places: usize) -> DMatrix<f64> {
+    /// Friction beyond places of the plate, evenly chosen, and friction that grows along it, as columns.
+    pub(super) fn steps_and_slope(&self, places: usize) -> DMatrix<f64> {
         let (lo, hi) = self.context.extent();
-        let mut steps = DMatrix::from_fn(self.columns.nrows(), places, |i, k| {
-            let at = lo + (hi - lo) * (k as f64 + 0.5) / places as f64;
-            if self.context.place[i] > at {
-                self.context.scale[i]
-            } else {
-                0.0
-            }
+        let mut courses = DMatrix::from_fn(self.columns.nrows(), places + 1, |i, k| {
+            let share = (self.context.place[i] - lo) / (hi - lo).max(f64::MIN_POSITIVE);
+            let course = match k < places {
+                true => f64::from(u8::from(share > (k as f64 + 0.5) / places as f64)),
+                false => share,
+            };
+            course * self.context.scale[i]
         });
-        for mut step in steps.column_iter_mut() {
-            self.context.recorded(step.as_mut_slice());
+        for mut course in courses.column_iter_mut() {
+            self.context.recorded(course.as_mut_slice());
         }
-        steps
+        courses
     }
 
     /// The Gram matrix X' V^-1 X of the gains and the columns, in this order, and log det V.
