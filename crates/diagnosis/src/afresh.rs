@@ -23,7 +23,7 @@ use crate::valleys::deepest;
 /// Strength of the best candidate (in standard deviations) from which the law alone is not trusted: several times what
 /// is needed to be seen.
 const STRONG: f64 = 12.0;
-/// The same where the law has more parameters than the campaign has conditions: each of its curves is then bent to a cause easily.
+/// The same where the law has more free parameters than the campaign has conditions: each of its curves is then bent to a cause easily.
 const STRONG_ON_FEW: f64 = 7.0;
 /// Starts of the law that are tried with each cause, beside where the law stands.
 const LAW_STARTS: usize = 20;
@@ -59,8 +59,12 @@ const ASKED_IN_FOLD: usize = 3;
 
 /// The strength from which the law alone is not trusted.
 pub(crate) fn strong(bench: &Bench<'_>) -> f64 {
-    let conditions = bench.conditions.iter().max().map_or(0, |last| last + 1);
-    if conditions < bench.law.parameters().len() {
+    // A law that is held by a model from elsewhere bends to nothing.
+    let free = match bench.prior {
+        Some(_) => 0,
+        None => bench.law.parameters().len(),
+    };
+    if bench.campaign.conditions().len() < free {
         STRONG_ON_FEW
     } else {
         STRONG

@@ -96,12 +96,13 @@ pub(crate) fn families(
             }
         }
     }
-    out.extend(accelerations(samples, scale));
     if samples.runs.len() <= MOST_RUNS {
         out.push(each_run(samples, scale));
         out.push(zeros(samples));
     }
+    // Averages have neither the accelerations of the motion nor the slopes of the force.
     if samples.averaged.is_empty() {
+        out.extend(accelerations(samples, scale));
         let [first, second] = slopes(samples, recorded);
         out.push(slope_families(samples, &first, &second, false));
         if samples.runs.len() <= MOST_RUNS {
@@ -129,13 +130,9 @@ fn slope_of(samples: &Samples, x: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Hats over the acceleration along the motion, slowing down below zero. `None` where all samples are averages, whose accelerations are not
-/// those of the motion.
+/// Hats over the acceleration along the motion, slowing down below zero; `None` where it is the same everywhere.
 fn accelerations(samples: &Samples, scale: &[f64]) -> Option<Hats> {
     const CELLS: usize = 6;
-    if !samples.averaged.is_empty() {
-        return None;
-    }
     let along: Vec<f64> = (slope_of(samples, &samples.velocity).iter())
         .zip(samples.heading())
         .map(|(a, heading)| a * heading)

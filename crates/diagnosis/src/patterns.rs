@@ -46,9 +46,9 @@ pub(crate) fn patterns(
         .iter()
         .map(|r| samples.clock[r.start])
         .collect();
-    let mut questions = questions(&began, &samples.load_levels().of_run);
-    questions.extend(following(&manners(samples, &began)));
-    let Some((question, score)) = strongest(ground, white_gains, questions) else {
+    let manners = manners(samples, &began);
+    let asked = questions(&began, &samples.load_levels().of_run, &manners);
+    let Some((question, score)) = strongest(ground, white_gains, asked) else {
         return Lack::nothing();
     };
     Lack {
@@ -100,9 +100,9 @@ fn strongest(
     scored.min_by(|a, b| log_p(a).total_cmp(&log_p(b)))
 }
 
-/// What is asked: sets of runs that share a gain and, in families, gains that differ. `levels`: the load of each run, as a place among the
-/// loads. Sets, families and manners share what may be spent.
-fn questions(began: &[f64], levels: &[usize]) -> Vec<Question> {
+/// What is asked: sets of runs that share a gain, in families gains that differ, and gains that follow a manner. `levels`: the load of each run,
+/// as a place among the loads; `manners`: how each run was made. Sets, families and manners share what may be spent.
+fn questions(began: &[f64], levels: &[usize], manners: &[Vec<f64>]) -> Vec<Question> {
     let count = began.len();
     if !(FEWEST_RUNS..=MOST_RUNS).contains(&count) {
         return Vec::new();
@@ -135,6 +135,7 @@ fn questions(began: &[f64], levels: &[usize]) -> Vec<Question> {
     }
     priced(sets, OF_SETS)
         .chain(priced(families, OF_FAMILIES))
+        .chain(following(manners))
         .collect()
 }
 
@@ -318,7 +319,7 @@ mod tests {
         gain: impl Fn(usize) -> f64,
         rng: &mut ChaCha8Rng,
     ) -> (Vec<usize>, f64) {
-        answered(began.len(), questions(began, levels), gain, rng)
+        answered(began.len(), questions(began, levels, &[]), gain, rng)
     }
 
     /// What these questions find where each run has a gain of so many scatters beside its own.
@@ -404,7 +405,7 @@ mod tests {
         assert!(alarms.count() <= 10);
     }
 
-    /// Runs of sixteen strokes in no order of the day: gains that follow the stroke are seen, scatter follows nothing.
+    /// Runs of twelve strokes in no order of the day: gains that follow the stroke are seen, scatter follows nothing.
     #[test]
     fn gains_that_follow_the_stroke_are_seen() {
         let mut rng = ChaCha8Rng::seed_from_u64(16);
@@ -439,7 +440,7 @@ mod tests {
     #[test]
     fn neighbours_need_the_order_of_the_day() {
         let has = |ordered: bool, set: &[usize]| {
-            let asked = questions(&began(ordered), &[0; RUNS]);
+            let asked = questions(&began(ordered), &[0; RUNS], &[]);
             asked.iter().any(|question| question.runs() == set)
         };
         assert!(has(false, &[3]) && has(false, &[3, 8]) && !has(false, &[4, 5, 6, 7]));

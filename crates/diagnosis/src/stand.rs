@@ -186,7 +186,7 @@ impl Stand {
         Likelihood::in_context(bench, subset, &self.fitted, sizes, &context).deviance
     }
 
-    /// The same, each drawn towards zero by half a step of the force channel: what rounding may have made is
+    /// The residual, sample by sample, each drawn towards zero by half a step of the force channel: what rounding may have made is
     /// taken out, what is beyond it stays. `None` where the step is lost in the noise.
     pub(crate) fn beyond_rounding(
         &self,

@@ -134,7 +134,7 @@ pub fn estimate(
     let spacing = frame.spacing(&minimum.point);
     let log_sd = if options.uncertainty {
         search::standard_deviations(
-            &|x: &[f64]| criterion.value(&frame.sizes(x), spacing),
+            &|x: &[f64]| frame.value(&criterion, x, spacing),
             &minimum.point,
         )
     } else {

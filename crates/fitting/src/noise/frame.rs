@@ -412,10 +412,15 @@ impl Frame {
         }
         let values: Vec<f64> = points
             .par_iter()
-            .map(|x| criterion.value(&self.sizes(x), self.coarse(x)))
+            .map(|x| self.value(criterion, x, self.coarse(x)))
             .collect();
         let best = (0..points.len()).min_by(|&a, &b| values[a].total_cmp(&values[b]));
         points.swap_remove(best.unwrap_or(0))
+    }
+
+    /// -2 log likelihood of the sizes at a point.
+    pub(super) fn value(&self, criterion: &Criterion<'_>, point: &[f64], spacing: f64) -> f64 {
+        criterion.value(&self.sizes(point), spacing)
     }
 
     /// Where nearly all roughness has ended in plate or runs: the likeliest sizes from both sharing it, if those are likelier. Along the
@@ -435,7 +440,7 @@ impl Frame {
         (start[PLATE], start[PRIVATE]) = (half, half);
         let sizes = self.sizes(&found.point);
         *evaluations += 1;
-        if criterion.value(&self.sizes(&start), self.spacing(&found.point)) > found.value {
+        if self.value(criterion, &start, self.spacing(&found.point)) > found.value {
             return None;
         }
         let again = self.search(criterion, start, Search::Onward(sizes), evaluations);
@@ -462,7 +467,7 @@ impl Frame {
         minimum.hessian = (minimum.hessian)
             .remove_rows_at(&places)
             .remove_columns_at(&places);
-        minimum.value = criterion.value(&still.sizes(&minimum.point), spacing);
+        minimum.value = still.value(criterion, &minimum.point, spacing);
         *evaluations += 1;
         (minimum.value < found.value + INVISIBLE).then_some((still, minimum))
     }

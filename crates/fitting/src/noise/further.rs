@@ -82,12 +82,14 @@ impl Frame {
         };
         let spacing = self.coarse(&still.point);
         let levelled = criterion.with_levels();
-        let at = |frame: &Self, point: &[f64]| levelled.value(&frame.sizes(point), spacing);
-        let without = at(self, &still.point);
+        let without = self.value(&levelled, &still.point, spacing);
         let times = WANDER_TIMES.map(|times| times * shortest);
         let probed: Vec<(f64, f64)> = (times.into_par_iter())
             .filter(|time_s| *time_s < longest)
-            .map(|time_s| (at(&frame, &with_wander(WANDER_SHARE, time_s)), time_s))
+            .map(|time_s| {
+                let tried = with_wander(WANDER_SHARE, time_s);
+                (frame.value(&levelled, &tried, spacing), time_s)
+            })
             .collect();
         *evaluations += probed.len() + 1;
         let likeliest = probed.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
@@ -153,8 +155,6 @@ impl Frame {
         evaluations: &mut usize,
     ) -> Option<Further> {
         let smooth = self.clone().with(More::Smoothing);
-        let on_grid =
-            |frame: &Self, point: &[f64], spacing| criterion.value(&frame.sizes(point), spacing);
         let probed: Vec<(f64, Vec<f64>)> = PROBES
             .par_iter()
             .map(|&(smoothing, share)| {
@@ -163,8 +163,8 @@ impl Frame {
                 point[LENGTH] += (share / (1.0 + smoothing)).ln();
                 point.push(smoothing.ln());
                 let spacing = smooth.spacing(&point);
-                let beyond =
-                    on_grid(&smooth, &point, spacing) - on_grid(self, &plain.point, spacing);
+                let beyond = smooth.value(criterion, &point, spacing)
+                    - self.value(criterion, &plain.point, spacing);
                 (beyond, point)
             })
             .collect();
@@ -178,7 +178,7 @@ impl Frame {
             let near = smooth.near(criterion, &point, coarse);
             *evaluations += near.evaluations + 1;
             // What is not seen there at all will not be worth its price on a finer grid.
-            if near.value > on_grid(self, &plain.point, coarse) - 0.5 * WORTH_SMOOTHING {
+            if near.value > self.value(criterion, &plain.point, coarse) - 0.5 * WORTH_SMOOTHING {
                 return None;
             }
             smooth.apart(criterion, near, evaluations)
@@ -188,10 +188,10 @@ impl Frame {
         let again = Search::Again(smooth.sizes(&from));
         let found = smooth.search(criterion, from, again, evaluations);
         let spacing = smooth.spacing(&found.point);
-        let own = on_grid(&smooth, &found.point, spacing);
+        let own = smooth.value(criterion, &found.point, spacing);
         let saves = |plain: f64| own < plain - WORTH_SMOOTHING;
         *evaluations += 2;
-        if !saves(on_grid(self, &plain.point, spacing)) {
+        if !saves(self.value(criterion, &plain.point, spacing)) {
             return None;
         }
         // Exponential roughness may have other sizes on this grid.
@@ -220,8 +220,8 @@ impl Frame {
             point[PLATE] += more.ln();
             point.push(smoothing.ln());
             let spacing = apart.spacing(&point);
-            let value = criterion.value(&apart.sizes(&point), spacing);
-            let beyond = value - criterion.value(&self.sizes(&alike.point), spacing);
+            let beyond = apart.value(criterion, &point, spacing)
+                - self.value(criterion, &alike.point, spacing);
             (beyond, point)
         };
         let probed: Vec<(f64, Vec<f64>)> = PLATE_PROBES.par_iter().map(probe).collect();
@@ -253,12 +253,10 @@ impl Frame {
         worth: f64,
         evaluations: &mut usize,
     ) -> Option<(Minimum, f64)> {
-        let on_grid =
-            |frame: &Self, point: &[f64], spacing| criterion.value(&frame.sizes(point), spacing);
         let coarse = self.coarse(start);
         let near = self.near(criterion, start, coarse);
         *evaluations += near.evaluations + 1;
-        if near.value > on_grid(without, &plain.point, coarse) - 0.5 * worth {
+        if near.value > without.value(criterion, &plain.point, coarse) - 0.5 * worth {
             return None;
         }
         let again = Search::Again(self.sizes(&near.point));
@@ -266,7 +264,7 @@ impl Frame {
         let spacing = self.spacing(&found.point);
         let as_plain = without.near(criterion, &plain.point, spacing);
         *evaluations += as_plain.evaluations + 1;
-        let saved = as_plain.value - on_grid(self, &found.point, spacing);
+        let saved = as_plain.value - self.value(criterion, &found.point, spacing);
         (saved >= worth).then_some((found, saved))
     }
 
@@ -292,8 +290,7 @@ impl Frame {
         let coarse = self.coarse(&alike.point);
         let apart = self.near(criterion, &start, coarse);
         *evaluations += apart.evaluations + 1;
-        let on_grid = |point: &[f64]| criterion.value(&self.sizes(point), coarse);
-        if apart.value < on_grid(&alike.point) - WORTH_APART {
+        if apart.value < self.value(criterion, &alike.point, coarse) - WORTH_APART {
             apart.point
         } else {
             alike.point
@@ -310,8 +307,6 @@ impl Frame {
         evaluations: &mut usize,
     ) -> Option<Further> {
         let apart = self.clone().with(More::PlateRatio);
-        let on_grid =
-            |frame: &Self, point: &[f64], spacing| criterion.value(&frame.sizes(point), spacing);
         let probed: Vec<(f64, Vec<f64>)> = RATIOS
             .par_iter()
             .map(|&(ratio, moved)| {
@@ -322,7 +317,8 @@ impl Frame {
                 point[PLATE] += 0.5 * (1.0 + moved) * ratio.ln();
                 point.push(ratio.ln());
                 let spacing = apart.coarse(&point).min(self.coarse(&one.point));
-                let beyond = on_grid(&apart, &point, spacing) - on_grid(self, &one.point, spacing);
+                let beyond = apart.value(criterion, &point, spacing)
+                    - self.value(criterion, &one.point, spacing);
                 (beyond, point)
             })
             .collect();
@@ -360,7 +356,7 @@ impl Frame {
         let spacing = self.spacing(&one.point);
         let minimum = frame.near(criterion, &one.point, spacing);
         *evaluations += minimum.evaluations;
-        let saved = criterion.value(&self.sizes(&one.point), spacing) - minimum.value;
+        let saved = self.value(criterion, &one.point, spacing) - minimum.value;
         let enough =
             saved > WORTH_LONGER && saved > self.a_step_or_slope_saves(criterion, one, evaluations);
         enough.then_some(Further {

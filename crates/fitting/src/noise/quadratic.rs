@@ -37,12 +37,6 @@ impl Quadratic {
         }
     }
 
-    /// E, the curvature that may be expected.
-    pub(super) fn expected_curvature(&self) -> DMatrix<f64> {
-        let root = self.expected.l();
-        &root * root.transpose()
-    }
-
     /// The inverse of L V (|D| + damping) V' L', L^-1 B L'^-1 = V D V'.
     fn inverse(&self, damping: f64) -> DMatrix<f64> {
         let root = self.expected.l();
