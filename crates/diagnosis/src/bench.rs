@@ -461,8 +461,8 @@ impl<'a> Bench<'a> {
         self.noise_with(subset, fitted, jacobian, within, (search, true))
     }
 
-    /// The same from given sizes, with one length for the roughness of runs and plate and no smoothing but that which it has.
-    pub(crate) fn noise_of_one_length(
+    /// The same from given sizes, of just their kind: with lengths, smoothings and a wander that they have, and no others.
+    pub(crate) fn noise_of_their_kind(
         &self,
         subset: &Subset,
         fitted: &Fitted,
@@ -470,12 +470,8 @@ impl<'a> Bench<'a> {
         within: &DMatrix<f64>,
         sizes: Sizes,
     ) -> Sizes {
-        let search = Search::Again(Sizes {
-            plate_ratio: 1.0,
-            plate_smoothing: 0.0,
-            ..sizes
-        });
-        self.noise_with(subset, fitted, jacobian, within, (search, false))
+        let again = (Search::Again(sizes), false);
+        self.noise_with(subset, fitted, jacobian, within, again)
             .sizes
     }
 

@@ -6,8 +6,8 @@
 //! the field's own spread. The spread's tails are taken from all marks that are asked for, as Student's t with the freedom that their
 //! quantiles show; but a mark that stands out of all others as none of such a tail would is no part of it.
 //!
-//! A mark makes the plate look rougher than it is, so much that it may not be seen any more. The strongest one is weighed again with the
-//! noise estimated beside it, by what its likelihood gains, each model under its own noise.
+//! A mark makes the plate look rougher than it is, so much that it may not be seen any more. The strongest one, and the two strongest
+//! together, are weighed again with the noise estimated beside them, by what their likelihood gains, each model under its own noise.
 
 use fitting::noise::Sizes;
 use rayon::prelude::*;
@@ -26,6 +26,8 @@ use crate::tail::{log_chi2_tail, normal_deviate};
 const SUSPECT: f64 = 3.0;
 /// The same where the plate is so many times rougher than the runs.
 const ROUGHER: f64 = 1.25;
+/// Share of what the strongest mark explains beside a plate that is hardly rough from which on the next one is weighed with it.
+const ANOTHER: f64 = 0.3;
 /// Roughness of the plate beside which its place is sought, as a share of the smaller one of plate and runs.
 const SHARP: f64 = 0.25;
 /// Freedom of the tails: heavier than with the first no mark can be told from the roughness, from the last on they are normal.
@@ -36,18 +38,27 @@ const NORMAL: f64 = 30.0;
 /// is less than this: about three times as large as all others with tails that fall with the fourth power, and less with lighter ones.
 const LONELY: f64 = 1.0 / 81.0;
 
-/// The strongest mark beside a stand.
+/// A mark, or two of them, beside a stand.
+#[derive(Clone)]
 pub(crate) struct Mark {
+    /// Of the stronger one.
     pub(crate) place: Place,
     /// Logarithm of the tail probability, the search paid for.
     pub(crate) log_p: f64,
     /// What -2 log likelihood falls by with the mark in the model, each at its own noise and scatter, less what the search costs.
     pub(crate) explained: f64,
     /// What the search costs.
-    pub(crate) search: f64,
+    search: f64,
+    /// Whether there is one only.
+    is_one: bool,
 }
 
 impl Mark {
+    /// What -2 log likelihood falls by, nothing paid for the search.
+    pub(crate) fn saved(&self) -> f64 {
+        self.explained + self.search
+    }
+
     pub(crate) fn lack(self) -> Lack {
         Lack {
             log_p: self.log_p,
@@ -57,13 +68,37 @@ impl Mark {
     }
 }
 
-/// The strongest mark beside a stand.
+/// The marks that are most worth it beside a stand.
 pub(crate) fn strongest(
     bench: &Bench<'_>,
     subset: &Subset,
     stand: &Stand,
     ground: &Ground,
 ) -> Option<Mark> {
+    let marks = weighed(bench, subset, stand, ground)?;
+    (marks.into_iter()).max_by(|a, b| a.explained.total_cmp(&b.explained))
+}
+
+/// Those and the single mark that is likeliest beside a stand where it is as it was looked for.
+pub(crate) fn strongest_and_likeliest(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+) -> Option<[Mark; 2]> {
+    let marks = weighed(bench, subset, stand, &stand.ground)?;
+    let single = marks.iter().filter(|mark| mark.is_one);
+    let likeliest = single.max_by(|a, b| a.saved().total_cmp(&b.saved()));
+    let strongest = (marks.iter()).max_by(|a, b| a.explained.total_cmp(&b.explained));
+    Some([strongest?.clone(), likeliest?.clone()])
+}
+
+/// The strongest marks, each in the ways in which they are weighed.
+fn weighed(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    ground: &Ground,
+) -> Option<Vec<Mark>> {
     let samples = subset.samples_on_the_plate(bench);
     let scale = subset.gather(stand.fitted.friction(bench));
     let search = Search {
@@ -82,16 +117,14 @@ pub(crate) fn strongest(
             tails: tails(&marks),
             asked: marks.len(),
             columns: 1,
+            marks: 1,
         },
     );
-    if !is_suspect(best, stand.sizes) {
-        return Some(seen);
+    let mut all = vec![seen];
+    if is_suspect(best, stand.sizes) {
+        all.extend(search.beside_their_own_noise(bench, subset, stand));
     }
-    let closer = search.beside_its_own_noise(bench, subset, stand);
-    Some(match closer {
-        Some(closer) if closer.explained > seen.explained => closer,
-        _ => seen,
-    })
+    Some(all)
 }
 
 /// Whether the strongest mark is worth a noise of its own: it is seen, or the plate is so rough that it may hide it.
@@ -134,6 +167,8 @@ struct Weight {
     asked: usize,
     /// Heights that it has.
     columns: usize,
+    /// Of so many marks.
+    marks: usize,
 }
 
 /// Where marks are looked for.
@@ -144,24 +179,44 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// The strongest mark once more with the noise estimated beside it, roughness of one length (of a length of its own, the plate's takes up
-    /// a step).
-    fn beside_its_own_noise(
+    /// The strongest marks once more with the noise estimated beside them: of the kind that it has, and of one length (a length of its own for
+    /// the plate's roughness takes up a step).
+    fn beside_their_own_noise(
         &self,
         bench: &Bench<'_>,
         subset: &Subset,
         stand: &Stand,
+    ) -> Vec<Mark> {
+        let one_length = Sizes {
+            plate_ratio: 1.0,
+            plate_smoothing: 0.0,
+            ..stand.sizes
+        };
+        let mut kinds = vec![one_length];
+        if stand.sizes != one_length {
+            kinds.push(stand.sizes);
+        }
+        let mut marks = Vec::new();
+        for near in self.sharply(bench, subset, stand) {
+            for &kind in &kinds {
+                marks.extend(self.beside_its_own_noise(bench, subset, (stand, kind), &near));
+            }
+        }
+        marks
+    }
+
+    /// Marks with the noise, of this kind, estimated beside them.
+    fn beside_its_own_noise(
+        &self,
+        bench: &Bench<'_>,
+        subset: &Subset,
+        (stand, kind): (&Stand, Sizes),
+        near: &Near,
     ) -> Option<Mark> {
         let (fitted, jacobian) = (&stand.fitted, &stand.jacobian);
-        let Near {
-            courses,
-            extent,
-            tried,
-            ..
-        } = self.sharply(bench, subset, stand)?;
         let (places, friction) = (subset.all_places(bench), fitted.friction(bench));
-        let columns = Course::columns(&courses, &places, friction);
-        let sizes = bench.noise_of_one_length(subset, fitted, jacobian, &columns, stand.sizes);
+        let columns = Course::columns(&near.courses, &places, friction);
+        let sizes = bench.noise_of_their_kind(subset, fitted, jacobian, &columns, kind);
         let own = Stand::new(bench, subset, fitted.clone(), sizes);
         let white = own.whiten(subset, &columns);
         let direction = own.ground.direction(&white)?;
@@ -173,16 +228,17 @@ impl Search<'_> {
         let others = scored(&rest, &sums, self.cells.shapes());
         let (spread, freedom) = tails(&others);
         let size = saved.max(0.0).sqrt();
-        let apart = self.largest_apart(&others, extent);
+        let apart = self.largest_apart(&others, near.extent);
         let alone = is_alone(size / spread, apart / spread, freedom);
         let weight = Weight {
             deviance: saved.max(0.0),
             explained: saved,
             tails: (spread, if alone { f64::INFINITY } else { freedom }),
-            asked: tried,
-            columns: courses.len(),
+            asked: near.tried,
+            columns: near.courses.len(),
+            marks: near.marks,
         };
-        Some(self.mark(extent, &weight))
+        Some(self.mark(near.extent, &weight))
     }
 
     /// Size of the largest of the marks that do not touch this place.
@@ -195,9 +251,9 @@ impl Search<'_> {
         sizes.fold(0.0, f64::max)
     }
 
-    /// The strongest mark as it is found beside a plate that is hardly rough: roughness that was estimated with the mark in it lets places that
-    /// are far apart fit alike.
-    fn sharply(&self, bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Option<Near> {
+    /// The strongest mark, and where another one is nearly as strong both together, as they are found beside a plate that is hardly rough:
+    /// roughness that was estimated with marks in it lets places that are far apart fit alike.
+    fn sharply(&self, bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Vec<Near> {
         let sizes = Sizes {
             plate: SHARP * stand.sizes.plate.min(stand.sizes.private),
             plate_smoothing: stand.sizes.smoothing,
@@ -205,14 +261,25 @@ impl Search<'_> {
             ..stand.sizes
         };
         let sharp = Stand::new(bench, subset, stand.fitted.clone(), sizes);
-        let sums = Sums::new(&sharp, &sharp.ground, &self.cells, self.scale);
-        let all = scored(&sharp.ground, &sums, self.cells.shapes());
-        let extent = self.cells.extent(largest(&all)?.shape);
         let samples = subset.samples_on_the_plate(bench);
-        let mut near = closely(&sharp, &sharp.ground, &samples, self.scale, extent)?;
-        // As many near every mark of the first look could have been the strongest.
-        near.tried *= all.len();
-        Some(with_edge(&sharp, &samples, self.scale, near))
+        let strongest_beside = |others: &[Course]| {
+            let columns = Course::columns(others, &samples.place, self.scale);
+            let ground = sharp.ground_beside(&sharp.whiten_own(&columns));
+            let sums = Sums::new(&sharp, &ground, &self.cells, self.scale);
+            let all = scored(&ground, &sums, self.cells.shapes());
+            let extent = self.cells.extent(largest(&all)?.shape);
+            let mut near = closely(&sharp, &ground, &samples, self.scale, extent)?;
+            // As many near every mark of the first look could have been the strongest.
+            near.tried *= all.len();
+            Some(with_edge(&sharp, others, &samples, self.scale, near))
+        };
+        let Some(first) = strongest_beside(&[]) else {
+            return Vec::new();
+        };
+        let second = strongest_beside(&first.courses)
+            .filter(|second| second.explained > ANOTHER * first.explained);
+        let both = second.map(|second| first.and(&second));
+        std::iter::once(first).chain(both).collect()
     }
 
     /// A mark that sits here.
@@ -231,6 +298,7 @@ impl Search<'_> {
             log_p: (log_chi2_tail(deviate * deviate, weight.columns) + price).min(0.0),
             explained: weight.explained - 2.0 * price,
             search: 2.0 * price,
+            is_one: weight.marks == 1,
         }
     }
 

@@ -104,9 +104,24 @@ pub(crate) struct Near {
     pub(crate) courses: Vec<Course>,
     pub(crate) extent: (f64, f64),
     /// What it explains there.
-    explained: f64,
+    pub(crate) explained: f64,
     /// How many were tried.
     pub(crate) tried: usize,
+    /// How many marks these are.
+    pub(crate) marks: usize,
+}
+
+impl Near {
+    /// Both marks, in the place of the first.
+    pub(crate) fn and(&self, other: &Self) -> Self {
+        Self {
+            courses: [&self.courses[..], &other.courses].concat(),
+            extent: self.extent,
+            explained: self.explained + other.explained,
+            tried: self.tried.saturating_mul(other.tried),
+            marks: self.marks + other.marks,
+        }
+    }
 }
 
 /// The course of the strongest mark near an extent, by what it explains beside a model on its ground.
@@ -138,18 +153,21 @@ pub(crate) fn closely(
         extent,
         explained,
         tried,
+        marks: 1,
     })
 }
 
 /// A mark with what lies beside it: a groove throws up an edge. The strongest mark that adjoins the first on either side belongs to it where it
-/// explains a share of what that does.
+/// explains a share of what that does. `others`: courses of other marks, which are in the model.
 pub(crate) fn with_edge(
     stand: &Stand,
+    others: &[Course],
     samples: &Samples,
     friction: &[f64],
     mut mark: Near,
 ) -> Near {
-    let columns = Course::columns(&mark.courses, &samples.place, friction);
+    let held = [others, &mark.courses].concat();
+    let columns = Course::columns(&held, &samples.place, friction);
     let ground = stand.ground_beside(&stand.whiten_own(&columns));
     let (from, to) = mark.extent;
     let width = to - from;

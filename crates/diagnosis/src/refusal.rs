@@ -173,14 +173,15 @@ pub(crate) fn take_all_back(bench: &Bench<'_>, selected: &mut Selected) {
 }
 
 /// Where one mark somewhere on the plate explains more than all named causes together, nothing is named: a step in the middle looks like
-/// a gradient, three quarters of it. A cause that varies along the plate must moreover be likelier than the best mark there is, since beside
-/// roughness that may take up what remains a gradient explains all of a step.
+/// a gradient, three quarters of it. A cause that varies along the plate must moreover be likelier than the likeliest mark there is, since
+/// beside roughness that may take up what remains a gradient explains all of a step.
 fn refuse_beside_mark(bench: &Bench<'_>, selected: &mut Selected, worth: f64) {
     if selected.names_nothing() {
         return;
     }
     let law = &selected.baseline;
-    let Some(mark) = marks::strongest(bench, &selected.subset, law, &law.ground) else {
+    let marks = marks::strongest_and_likeliest(bench, &selected.subset, law);
+    let Some([mark, likeliest]) = marks else {
         return;
     };
     let named = law.deviance - selected.stand.deviance;
@@ -191,11 +192,13 @@ fn refuse_beside_mark(bench: &Bench<'_>, selected: &mut Selected, worth: f64) {
         }
         _ => false,
     };
-    let likelier = named - (mark.explained + mark.search) > -2.0 * ALPHA_NAME.ln();
+    let likelier = named - mark.saved() > -2.0 * ALPHA_NAME.ln();
     let as_good = along_the_plate && !likelier && mark.explained > MOSTLY * named;
-    if mark.explained < named + worth && !as_good {
+    let beaten = along_the_plate && likeliest.saved() > named;
+    if mark.explained < named + worth && !as_good && !beaten {
         return;
     }
+    let mark = if beaten { likeliest } else { mark };
     let why = "explains less, or hardly more, than a scratch or a step of friction somewhere on the plate would";
     say_why(bench, selected, why);
     back_to_the_law(bench, selected, |_, _, _| mark.lack());
