@@ -147,7 +147,7 @@ pub struct Finding {
 /// Where unexplained structure sits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Place {
-    /// `position`, `time`, `speed` or `order`.
+    /// `position`, `time`, `speed`, `acceleration`, `load` or `force rate`.
     pub axis: String,
     /// Lower end.
     pub from: f64,
@@ -157,6 +157,13 @@ pub struct Place {
     pub unit: String,
     /// Names of the runs that show it.
     pub runs: Vec<String>,
+}
+
+impl Place {
+    /// Whether it is one on the plate.
+    pub(crate) fn is_on_plate(&self) -> bool {
+        self.axis == "position"
+    }
 }
 
 /// Structure that no cause explains.

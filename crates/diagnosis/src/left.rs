@@ -71,8 +71,7 @@ pub(crate) fn lack(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Lack {
         }
     }
     // Where a mark is seen on its own, it says most closely where.
-    let on_plate = |place: &Option<Place>| place.as_ref().is_some_and(|p| p.axis == "position");
-    if on_plate(&best.place) && mark.log_p < ALPHA_GENERAL.ln() {
+    if best.place.as_ref().is_some_and(Place::is_on_plate) && mark.log_p < ALPHA_GENERAL.ln() {
         best.place = mark.place;
     }
     best

@@ -20,12 +20,11 @@ use crate::ground::Ground;
 use crate::places::{Cells, Course, Near, Shape, Sums, closely, with_edge};
 use crate::stand::Stand;
 use crate::subset::Subset;
+use crate::swallowed::may_hide;
 use crate::tail::{log_chi2_tail, normal_deviate};
 
 /// Standard deviations of the strongest mark from which the noise is estimated beside it.
 const SUSPECT: f64 = 3.0;
-/// The same where the plate is so many times rougher than the runs.
-const ROUGHER: f64 = 1.25;
 /// Share of what the strongest mark explains beside a plate that is hardly rough from which on the next one is weighed with it.
 const ANOTHER: f64 = 0.3;
 /// Roughness of the plate beside which its place is sought, as a share of the smaller one of plate and runs.
@@ -129,8 +128,7 @@ fn weighed(
 
 /// Whether the strongest mark is worth a noise of its own: it is seen, or the plate is so rough that it may hide it.
 fn is_suspect(best: Scored, sizes: Sizes) -> bool {
-    let is_hidden = sizes.plate > ROUGHER * sizes.private;
-    sizes.plate > 0.0 && (best.z.abs() >= SUSPECT || is_hidden)
+    sizes.plate > 0.0 && (best.z.abs() >= SUSPECT || may_hide(sizes))
 }
 
 /// A mark with its signed deviate.

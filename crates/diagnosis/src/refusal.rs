@@ -2,6 +2,7 @@
 
 use rig::{Reach, Station};
 
+use crate::answer::Place;
 use crate::bench::{Bench, Fitted};
 use crate::equivalence::{Contest, Opponent};
 use crate::foreign::{beside_the_noise_of, strangest};
@@ -248,7 +249,8 @@ fn back_to_the_law(
     selected.left.log_p = selected.left.log_p.min(seen);
 }
 
-/// Where something is left that nothing explains: only causes that explain most of it stay named.
+/// Where something is left that nothing explains: only causes that explain most of it stay named. What is left on the plate beside them
+/// says more closely where it is than what is left beside a law that has bent to it.
 fn keep_dominant(bench: &Bench<'_>, selected: &mut Selected) {
     if selected.names_nothing() || !selected.leaves_something() {
         return;
@@ -276,6 +278,10 @@ fn keep_dominant(bench: &Bench<'_>, selected: &mut Selected) {
     );
     say_why(bench, selected, &why);
     selected.entry_log_p.clear();
+    let beside_names = selected.left.place.take();
     let law = selected.baseline.fitted.clone();
     stand_with(bench, selected, law);
+    if beside_names.as_ref().is_some_and(Place::is_on_plate) {
+        selected.left.place = beside_names;
+    }
 }

@@ -1,7 +1,7 @@
 //! An effect on the plate that the noise of the law alone has taken up.
 //!
-//! A texture is the same in all runs, as the plate's own roughness is, and where that may be smoother than the runs' or of another length
-//! it takes up most of it: under the law's own noise the score then says little, and not at which period. Periods are looked for beside a
+//! A texture is the same in all runs, as the plate's own roughness is, and where that may be larger or smoother than the runs' or of another
+//! length it takes up most of it: under the law's own noise the score then says little, and not at which period. Periods are looked for beside a
 //! plate as rough as its runs, too, and the likelihoods with and without the cause, each under its own noise, ask which of the two it is.
 
 use fitting::noise::Sizes;
@@ -18,6 +18,13 @@ use crate::tail::log_chi2_tail;
 
 /// Standard deviations of the score from which it is asked: what a search over periods finds on nothing stays below mostly.
 const SUSPECT: f64 = 4.0;
+/// How many times rougher than the runs a plate is that may hide something.
+const ROUGHER: f64 = 1.25;
+
+/// Whether the plate is so rough that it may hide something.
+pub(crate) fn may_hide(sizes: Sizes) -> bool {
+    sizes.plate > ROUGHER * sizes.private
+}
 
 /// A cause that the plate's roughness had taken up.
 pub(crate) struct Recovered {
@@ -88,7 +95,7 @@ fn under_suspicion<'a>(
         .filter(|c| bench.catalogue[c.cause].station() == Station::Surface && c.score.z() > SUSPECT)
 }
 
-/// The noise with a plate that is as rough as its runs, where it was smoother or of another length.
+/// The noise with a plate that is as rough as its runs, where it was rougher, smoother or of another length.
 fn as_rough_as_its_runs(sizes: Sizes) -> Option<Sizes> {
     let rough = Sizes {
         plate: sizes.plate.min(sizes.private),
@@ -96,7 +103,8 @@ fn as_rough_as_its_runs(sizes: Sizes) -> Option<Sizes> {
         plate_ratio: 1.0,
         ..sizes
     };
-    (sizes.plate_smoothing > sizes.smoothing || sizes.plate_ratio > 1.0).then_some(rough)
+    let is_another = sizes.plate_smoothing > sizes.smoothing || sizes.plate_ratio > 1.0;
+    (is_another || may_hide(sizes)).then_some(rough)
 }
 
 /// A scan for the periodic causes of the plate alone.
