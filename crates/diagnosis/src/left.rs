@@ -40,7 +40,7 @@ pub(crate) fn lack(bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Lack {
         let white: Vec<DMatrix<f64>> = each.map(|f| stand.whiten_own(&f.columns)).collect();
         general::test(ground, &families, &white, &samples, &names)
     };
-    let mark = || marks::strongest(bench, subset, stand, ground);
+    let mark = || marks::find(bench, subset, stand, ground).map(|found| found.strongest);
     let others = || {
         let pattern = patterns(ground, stand.white_gains(), &samples, &names);
         let shift = shifts(stand, ground, &samples, &scale, &names);

@@ -18,6 +18,7 @@ use crate::bench::Bench;
 use crate::general::Lack;
 use crate::ground::Ground;
 use crate::places::{Cells, Course, Near, Shape, Sums, closely, with_edge};
+use crate::samples::Samples;
 use crate::stand::Stand;
 use crate::subset::Subset;
 use crate::swallowed::may_hide;
@@ -48,8 +49,6 @@ pub(crate) struct Mark {
     pub(crate) explained: f64,
     /// What the search costs.
     search: f64,
-    /// Whether there is one only.
-    is_one: bool,
 }
 
 impl Mark {
@@ -67,41 +66,26 @@ impl Mark {
     }
 }
 
-/// The marks that are most worth it beside a stand.
-pub(crate) fn strongest(
+/// What was found beside a stand.
+pub(crate) struct Found {
+    /// The mark, or the two, that explain most, the search paid for.
+    pub(crate) strongest: Mark,
+    /// The single mark that saves most, nothing paid for the search.
+    pub(crate) likeliest: Mark,
+}
+
+/// Looks for marks beside a stand.
+pub(crate) fn find(
     bench: &Bench<'_>,
     subset: &Subset,
     stand: &Stand,
     ground: &Ground,
-) -> Option<Mark> {
-    let marks = weighed(bench, subset, stand, ground)?;
-    (marks.into_iter()).max_by(|a, b| a.explained.total_cmp(&b.explained))
-}
-
-/// Those and the single mark that is likeliest beside a stand where it is as it was looked for.
-pub(crate) fn strongest_and_likeliest(
-    bench: &Bench<'_>,
-    subset: &Subset,
-    stand: &Stand,
-) -> Option<[Mark; 2]> {
-    let marks = weighed(bench, subset, stand, &stand.ground)?;
-    let single = marks.iter().filter(|mark| mark.is_one);
-    let likeliest = single.max_by(|a, b| a.saved().total_cmp(&b.saved()));
-    let strongest = (marks.iter()).max_by(|a, b| a.explained.total_cmp(&b.explained));
-    Some([strongest?.clone(), likeliest?.clone()])
-}
-
-/// The strongest marks, each in the ways in which they are weighed.
-fn weighed(
-    bench: &Bench<'_>,
-    subset: &Subset,
-    stand: &Stand,
-    ground: &Ground,
-) -> Option<Vec<Mark>> {
+) -> Option<Found> {
     let samples = subset.samples_on_the_plate(bench);
     let scale = subset.gather(stand.fitted.friction(bench));
     let search = Search {
         cells: Cells::new(stand.sizes.length, &samples)?,
+        samples,
         scale: scale.as_slice(),
         names: bench.run_names(subset),
     };
@@ -116,14 +100,25 @@ fn weighed(
             tails: tails(&marks),
             asked: marks.len(),
             columns: 1,
-            marks: 1,
         },
     );
-    let mut all = vec![seen];
-    if is_suspect(best, stand.sizes) {
-        all.extend(search.beside_their_own_noise(bench, subset, stand));
+    let (mut single, mut double) = (vec![seen], Vec::new());
+    if is_suspect(best, stand.sizes)
+        && let Some((first, both)) = search.sharply(bench, subset, stand)
+    {
+        let weighed = |near: &Near| search.beside_their_own_noise(bench, subset, stand, near);
+        let (one, two) = rayon::join(|| weighed(&first), || both.as_ref().map(weighed));
+        single.extend(one);
+        double.extend(two.into_iter().flatten());
     }
-    Some(all)
+    let saved = |mark: &Mark| mark.saved();
+    let likeliest = (single.iter()).max_by(|a, b| saved(a).total_cmp(&saved(b)));
+    let likeliest = likeliest?.clone();
+    let all = single.into_iter().chain(double);
+    Some(Found {
+        strongest: all.max_by(|a, b| a.explained.total_cmp(&b.explained))?,
+        likeliest,
+    })
 }
 
 /// Whether the strongest mark is worth a noise of its own: it is seen, or the plate is so rough that it may hide it.
@@ -165,25 +160,25 @@ struct Weight {
     asked: usize,
     /// Heights that it has.
     columns: usize,
-    /// Of so many marks.
-    marks: usize,
 }
 
 /// Where marks are looked for.
 struct Search<'a> {
     cells: Cells,
+    samples: Samples,
     scale: &'a [f64],
     names: Vec<String>,
 }
 
 impl Search<'_> {
-    /// The strongest marks once more with the noise estimated beside them: of the kind that it has, and of one length (a length of its own for
-    /// the plate's roughness takes up a step).
+    /// Marks once more with the noise estimated beside them: of the kind that it has, and of one length (a length of its own for the plate's
+    /// roughness takes up a step).
     fn beside_their_own_noise(
         &self,
         bench: &Bench<'_>,
         subset: &Subset,
         stand: &Stand,
+        near: &Near,
     ) -> Vec<Mark> {
         let one_length = Sizes {
             plate_ratio: 1.0,
@@ -194,17 +189,12 @@ impl Search<'_> {
         if stand.sizes != one_length {
             kinds.push(stand.sizes);
         }
-        let mut marks = Vec::new();
-        for near in self.sharply(bench, subset, stand) {
-            for &kind in &kinds {
-                marks.extend(self.beside_its_own_noise(bench, subset, (stand, kind), &near));
-            }
-        }
-        marks
+        let weighed = |kind| self.beside_noise_of_a_kind(bench, subset, (stand, kind), near);
+        kinds.into_par_iter().filter_map(weighed).collect()
     }
 
-    /// Marks with the noise, of this kind, estimated beside them.
-    fn beside_its_own_noise(
+    /// The same with the noise of one kind.
+    fn beside_noise_of_a_kind(
         &self,
         bench: &Bench<'_>,
         subset: &Subset,
@@ -234,7 +224,6 @@ impl Search<'_> {
             tails: (spread, if alone { f64::INFINITY } else { freedom }),
             asked: near.tried,
             columns: near.courses.len(),
-            marks: near.marks,
         };
         Some(self.mark(near.extent, &weight))
     }
@@ -251,7 +240,12 @@ impl Search<'_> {
 
     /// The strongest mark, and where another one is nearly as strong both together, as they are found beside a plate that is hardly rough:
     /// roughness that was estimated with marks in it lets places that are far apart fit alike.
-    fn sharply(&self, bench: &Bench<'_>, subset: &Subset, stand: &Stand) -> Vec<Near> {
+    fn sharply(
+        &self,
+        bench: &Bench<'_>,
+        subset: &Subset,
+        stand: &Stand,
+    ) -> Option<(Near, Option<Near>)> {
         let sizes = Sizes {
             plate: SHARP * stand.sizes.plate.min(stand.sizes.private),
             plate_smoothing: stand.sizes.smoothing,
@@ -259,25 +253,23 @@ impl Search<'_> {
             ..stand.sizes
         };
         let sharp = Stand::new(bench, subset, stand.fitted.clone(), sizes);
-        let samples = subset.samples_on_the_plate(bench);
+        let samples = &self.samples;
         let strongest_beside = |others: &[Course]| {
             let columns = Course::columns(others, &samples.place, self.scale);
             let ground = sharp.ground_beside(&sharp.whiten_own(&columns));
             let sums = Sums::new(&sharp, &ground, &self.cells, self.scale);
             let all = scored(&ground, &sums, self.cells.shapes());
             let extent = self.cells.extent(largest(&all)?.shape);
-            let mut near = closely(&sharp, &ground, &samples, self.scale, extent)?;
+            let mut near = closely(&sharp, &ground, samples, self.scale, extent)?;
             // As many near every mark of the first look could have been the strongest.
             near.tried *= all.len();
-            Some(with_edge(&sharp, others, &samples, self.scale, near))
+            Some(with_edge(&sharp, others, samples, self.scale, near))
         };
-        let Some(first) = strongest_beside(&[]) else {
-            return Vec::new();
-        };
+        let first = strongest_beside(&[])?;
         let second = strongest_beside(&first.courses)
             .filter(|second| second.explained > ANOTHER * first.explained);
         let both = second.map(|second| first.and(&second));
-        std::iter::once(first).chain(both).collect()
+        Some((first, both))
     }
 
     /// A mark that sits here.
@@ -296,7 +288,6 @@ impl Search<'_> {
             log_p: (log_chi2_tail(deviate * deviate, weight.columns) + price).min(0.0),
             explained: weight.explained - 2.0 * price,
             search: 2.0 * price,
-            is_one: weight.marks == 1,
         }
     }
 

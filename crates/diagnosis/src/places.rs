@@ -107,8 +107,6 @@ pub(crate) struct Near {
     pub(crate) explained: f64,
     /// How many were tried.
     pub(crate) tried: usize,
-    /// How many marks these are.
-    pub(crate) marks: usize,
 }
 
 impl Near {
@@ -119,7 +117,6 @@ impl Near {
             extent: self.extent,
             explained: self.explained + other.explained,
             tried: self.tried.saturating_mul(other.tried),
-            marks: self.marks + other.marks,
         }
     }
 }
@@ -153,7 +150,6 @@ pub(crate) fn closely(
         extent,
         explained,
         tried,
-        marks: 1,
     })
 }
 

@@ -181,8 +181,12 @@ fn refuse_beside_mark(bench: &Bench<'_>, selected: &mut Selected, worth: f64) {
         return;
     }
     let law = &selected.baseline;
-    let marks = marks::strongest_and_likeliest(bench, &selected.subset, law);
-    let Some([mark, likeliest]) = marks else {
+    let found = marks::find(bench, &selected.subset, law, &law.ground);
+    let Some(marks::Found {
+        strongest: mark,
+        likeliest,
+    }) = found
+    else {
         return;
     };
     let named = law.deviance - selected.stand.deviance;
