@@ -1,4 +1,4 @@
-//! A rhythm that one run keeps for a while: stick-slip, chatter, something that turns.
+//! A rhythm that one run keeps for a while, or that comes wherever runs go as fast: stick-slip, chatter, a resonance, something that turns.
 //!
 //! The whitened residual of a healthy rig has the same power at every frequency, so the periodogram of a stretch,
 //!
@@ -47,19 +47,23 @@ impl Stretch {
     }
 }
 
-/// The strongest rhythm in a residual of unit variance: of one run, or of all runs at the same time together (a rhythm that comes back
-/// in every other run is weak in each of them). The two searches pay for one another by Bonferroni's bound.
+/// The strongest rhythm in a residual of unit variance: of one run, of all runs at the same time together (a rhythm that comes back
+/// in every other run is weak in each of them), or of all stretches of like speed. The searches pay for one another by Bonferroni's bound.
 pub(crate) fn rhythm(y: &DVector<f64>, samples: &Samples, names: &[String]) -> Lack {
     let stretches = stretches(y, &samples.runs, &samples.sliding, BETWEEN);
     if stretches.len() < 4 {
         return Lack::nothing();
     }
-    let mut best = alone(&stretches, samples, names);
-    let shared = together(&stretches, samples, names);
-    if shared.log_p < best.log_p {
-        best = shared;
-    }
-    best.log_p = (best.log_p + 2.0_f64.ln()).min(0.0);
+    let searches = [
+        alone(&stretches, samples, names),
+        together(&stretches, samples, names),
+        at_one_speed(&stretches, samples, names),
+    ];
+    let price = (searches.len() as f64).ln();
+    let mut best = (searches.into_iter())
+        .min_by(|a, b| a.log_p.total_cmp(&b.log_p))
+        .unwrap_or_else(Lack::nothing);
+    best.log_p = (best.log_p + price).min(0.0);
     best
 }
 
@@ -185,6 +189,93 @@ fn together(stretches: &[Stretch], samples: &Samples, names: &[String]) -> Lack 
     }
 }
 
+/// Stretches of like speed that are asked together, and one frequency.
+struct Band {
+    log_p: f64,
+    excess: f64,
+    /// Places among the stretches.
+    members: Vec<usize>,
+}
+
+/// A rhythm of one frequency wherever runs go about as fast, with any phase in each: a resonance that one speed excites is weak in every run.
+fn at_one_speed(stretches: &[Stretch], samples: &Samples, names: &[String]) -> Lack {
+    let speed = |s: &Stretch| {
+        let last = s.start + WINDOW - 1;
+        s.slid / (samples.time[last] - samples.time[s.start]).max(f64::MIN_POSITIVE)
+    };
+    let speeds: Vec<f64> = stretches.iter().map(speed).collect();
+    let Some(found) = loudest_band(stretches, &speeds) else {
+        return Lack::nothing();
+    };
+    let own = || found.members.iter().map(|&k| speeds[k]);
+    let (from, to) = (
+        own().fold(f64::MAX, f64::min),
+        own().fold(f64::MIN, f64::max),
+    );
+    let within = stretches.iter().zip(&speeds);
+    let runs: BTreeSet<usize> = (within.filter(|(_, v)| (from..=to).contains(*v)))
+        .map(|(s, _)| s.run)
+        .collect();
+    Lack {
+        log_p: found.log_p,
+        place: Some(Place {
+            axis: "speed".into(),
+            from,
+            to,
+            unit: "m/s".into(),
+            runs: runs.into_iter().map(|run| names[run].clone()).collect(),
+        }),
+        excess: found.excess,
+    }
+}
+
+/// The least probable sum of powers at one frequency over neighbours in speed.
+fn loudest_band(stretches: &[Stretch], speeds: &[f64]) -> Option<Band> {
+    /// Stretches of a band at least, and how much larger each next one is.
+    const FEWEST: usize = 4;
+    const LARGER: f64 = 1.5;
+    /// Share of all stretches that a band holds at most: the others say what whitening leaves.
+    const MOST: f64 = 0.34;
+    /// Whitening is not perfect everywhere: so much more power than elsewhere is let pass.
+    const UNEVEN: f64 = 1.25;
+    let frequencies = stretches.first()?.powers.len();
+    let (mut best, mut asked): (Option<Band>, usize) = (None, 0);
+    // Neighbours in a run overlap by half: every other one is independent.
+    for parity in 0..2 {
+        let mut order: Vec<usize> = (0..stretches.len())
+            .filter(|&k| stretches[k].slot % 2 == parity && speeds[k] > 0.0)
+            .collect();
+        order.sort_by(|&a, &b| speeds[a].total_cmp(&speeds[b]));
+        let most = (MOST * order.len() as f64) as usize;
+        let sizes =
+            std::iter::successors(Some(FEWEST), |size| Some((*size as f64 * LARGER) as usize));
+        for size in sizes.take_while(|size| *size <= most) {
+            for first in (0..=order.len() - size).step_by((size / 3).max(1)) {
+                let members = &order[first..first + size];
+                asked += frequencies;
+                for frequency in 0..frequencies {
+                    let sum: f64 = members
+                        .iter()
+                        .map(|&k| stretches[k].powers[frequency])
+                        .sum();
+                    let log_p = log_chi2_tail(sum / UNEVEN, 2 * size);
+                    if best.as_ref().is_none_or(|b| log_p < b.log_p) {
+                        best = Some(Band {
+                            log_p,
+                            excess: (sum - 2.0 * size as f64).max(0.0),
+                            members: members.to_vec(),
+                        });
+                    }
+                }
+            }
+        }
+    }
+    best.map(|b| Band {
+        log_p: (b.log_p + (asked.max(1) as f64).ln()).min(0.0),
+        ..b
+    })
+}
+
 /// cos and sin of 2 pi f j over one stretch, for each frequency that is asked.
 fn waves(between: usize) -> Vec<Vec<(f64, f64)>> {
     (SLOWEST * between..between * WINDOW / 2)
@@ -214,6 +305,58 @@ fn periodogram(y: &[f64], waves: &[Vec<(f64, f64)>]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    const RUN: usize = 600;
+
+    /// The loudest band of twelve runs that speed up evenly from rest, every second one half as fast, and its least and largest speed. In the speeds from
+    /// 0.4 to 0.5 a line of this amplitude is added to noise of unit variance, with a phase of its own in each run.
+    fn loudest_of(amplitude: f64, seed: u64) -> (f64, f64, f64) {
+        let mut generator = ChaCha8Rng::seed_from_u64(seed);
+        let runs: Vec<Range<usize>> = (0..12).map(|k| RUN * k..RUN * (k + 1)).collect();
+        let (mut y, mut sliding) = (DVector::zeros(12 * RUN), Vec::new());
+        for k in 0..12 {
+            let fastest = if k % 2 == 0 { 1.0 } else { 0.5 };
+            let (phase, mut slid) = (generator.random::<f64>(), 0.0);
+            for j in 0..RUN {
+                let speed = fastest * (j + 1) as f64 / RUN as f64;
+                slid += speed;
+                sliding.push(slid);
+                let noise: f64 = StandardNormal.sample(&mut generator);
+                let turns = 0.23 * j as f64 + phase;
+                let line = (std::f64::consts::TAU * turns).sin();
+                let there = (0.4..0.5).contains(&speed);
+                y[k * RUN + j] = noise + if there { amplitude * line } else { 0.0 };
+            }
+        }
+        let stretches = stretches(&y, &runs, &sliding, BETWEEN);
+        let speed = |s: &Stretch| s.slid / (WINDOW - 1) as f64;
+        let speeds: Vec<f64> = stretches.iter().map(speed).collect();
+        let found = loudest_band(&stretches, &speeds).expect("bands");
+        let own = || found.members.iter().map(|&k| speeds[k]);
+        let ends = (
+            own().fold(f64::MAX, f64::min),
+            own().fold(f64::MIN, f64::max),
+        );
+        (found.log_p, ends.0, ends.1)
+    }
+
+    /// A line that no single run shows is found where runs are as fast, and noise has none.
+    #[test]
+    fn a_resonance_at_one_speed_is_found_in_all_runs_together() {
+        const NAMED: f64 = 0.001;
+        let there = |seed: &u64| {
+            let (log_p, from, to) = loudest_of(0.7, *seed);
+            log_p < NAMED.ln() && from < 0.5 && to > 0.4
+        };
+        let seen = (0..20).filter(there).count();
+        assert!(seen >= 18, "{seen} of 20");
+        let healthy = (100..140).map(|seed| loudest_of(0.0, seed).0);
+        let loudest = healthy.fold(0.0, f64::min);
+        assert!(loudest > NAMED.ln(), "{loudest}");
+    }
 
     /// A wave of amplitude A gives P = n A^2 / 2 at its own frequency.
     #[test]
