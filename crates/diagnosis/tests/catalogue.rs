@@ -10,11 +10,16 @@ use rig::{Cause, Experiment, Follows, Model, Requirement, Station};
 use rigs::{BRISTLE, LUGRE, rich};
 
 /// Ids, stations and reported parameters, as other programs know them.
-const VOCABULARY: [(&str, &str, &[&str]); 67] = [
+const VOCABULARY: [(&str, &str, &[&str]); 68] = [
     (
         "stage-ripple",
         "stage",
         &["amplitude", "pitch_m", "phase_rad"],
+    ),
+    (
+        "stage-ripple",
+        "stage",
+        &["amplitude", "pitch_m", "phase_rad", "moves_the_mass"],
     ),
     (
         "stage-ripple",
@@ -663,4 +668,65 @@ fn a_free_first_rest_is_that_of_the_first_run() {
     };
     assert!(apart(0..first) > 1e-3);
     assert_eq!(apart(first..fresh.len()), 0.0);
+}
+
+/// A mass on the stage feels what the ripple does to the speed, M dv/dt with v = dx/dt = c (1 + A sin(2 pi x/p)) and so
+/// dv/dt = v c A (2 pi/p) cos(2 pi x/p), x by Runge and Kutta's steps; in the plain form it follows the motor, at c all along.
+#[test]
+fn a_mass_on_a_rippling_stage_has_inertia() {
+    const MASS_KG: f64 = 0.4;
+    const AMPLITUDE: f64 = 0.05;
+    const PITCH_M: f64 = 0.01;
+    let mut campaign = rich(400);
+    campaign.rig.moving_mass_kg = Some(MASS_KG);
+    for run in &mut campaign.runs {
+        run.normal_load_n = None;
+    }
+    let experiment = Experiment::new(&campaign).expect("moves");
+    let law: Vec<f64> = (LawKind::Dahl.parameters().iter())
+        .map(|p| p.typical)
+        .collect();
+    let forces = |variant: Option<&str>| {
+        let mut forms = catalogue().into_iter();
+        let form = forms.find(|c| c.id() == "stage-ripple" && c.variant() == variant);
+        let effects = vec![form.expect("in the catalogue")];
+        let model = Model::new(LawKind::Dahl, effects, &experiment).expect("model");
+        let p: Vec<f64> = (law.iter().copied())
+            .chain([AMPLITUDE, 0.0, PITCH_M])
+            .collect();
+        model.predict(&experiment, &p)
+    };
+    let (carried, plain) = (
+        forces(Some("of a stage that carries the mass")),
+        forces(None),
+    );
+
+    let before: usize = experiment.runs[..5].iter().map(|run| run.len()).sum();
+    let run = &experiment.runs[5];
+    let speed = run.velocity_m_s[0];
+    let wave = std::f64::consts::TAU / PITCH_M;
+    let rate = |x: f64| speed * (1.0 + AMPLITUDE * (wave * x).sin());
+    let mut x = run.position_m[0];
+    let mut exact = Vec::new();
+    for i in 0..run.len() {
+        if i > 0 {
+            let h = (run.time_s[i] - run.time_s[i - 1]) / 8.0;
+            for _ in 0..8 {
+                let a = rate(x);
+                let b = rate(x + 0.5 * h * a);
+                let c = rate(x + 0.5 * h * b);
+                x += h / 6.0 * (a + 2.0 * b + 2.0 * c + rate(x + h * c));
+            }
+        }
+        exact.push(MASS_KG * rate(x) * speed * AMPLITUDE * wave * (wave * x).cos());
+    }
+    let largest = exact.iter().fold(0.0_f64, |most, f| most.max(f.abs()));
+    assert!(largest > 0.004, "{largest}");
+    for (i, exact) in exact.iter().enumerate().take(run.len() - 1).skip(1) {
+        let added = carried[before + i] - plain[before + i];
+        assert!(
+            (added - exact).abs() < 0.05 * largest,
+            "{i}: {added} {exact}"
+        );
+    }
 }

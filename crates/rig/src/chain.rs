@@ -147,7 +147,7 @@ impl<D: ChainScalar> Pass<'_, D> {
         if let Some(gain) = self.gain {
             force.iter_mut().for_each(|f| *f *= gain);
         }
-        self.add_inertia(run, &mut force);
+        self.add_inertia(run, &driven, &mut force);
 
         // load, sensor, clock
         Ok(self.recorded(run, &driven, force, beside_chords))
@@ -258,18 +258,27 @@ impl<D: ChainScalar> Pass<'_, D> {
         fine.into_iter().step_by(driven.parts).collect()
     }
 
-    /// Adds the inertia of the rig's stated mass. It follows the speed of the motor: the record's where the velocity channel is
-    /// sound, else what the channel was given.
-    fn add_inertia(&self, run: &RunMotion, force: &mut [D]) {
+    /// Adds the inertia of the rig's stated mass. It follows the speed of the motor, the record's where the velocity channel is
+    /// sound, else what the channel was given; or that of the stage where an effect says so.
+    fn add_inertia(&self, run: &RunMotion, driven: &Driven<'_, D>, force: &mut [D]) {
         let mass = self.experiment.moving_mass_kg;
         if mass == 0.0 {
             return;
         }
-        let of_the_channel = |i: &usize| {
-            let cause = &self.model.effects[*i];
-            self.active[*i] && cause.reach() == Reach::Stage && cause.station() == Station::Sensor
-        };
-        if let Some(i) = self.model.sequence.iter().copied().find(of_the_channel) {
+        let stage = |i: usize| self.active[i] && self.model.effects[i].reach() == Reach::Stage;
+        let mut effects = (self.model.sequence.iter().copied()).filter(|&i| stage(i));
+        let carried = effects
+            .clone()
+            .any(|i| self.model.effects[i].moves_the_mass());
+        if carried {
+            let beyond = driven.acceleration_beyond_the_record();
+            let each = run.acceleration_m_s2.iter().zip(beyond);
+            for (f, (&recorded, beyond)) in force.iter_mut().zip(each) {
+                *f += (beyond + recorded) * mass;
+            }
+            return;
+        }
+        if let Some(i) = effects.find(|&i| self.model.effects[i].station() == Station::Sensor) {
             let at = Place {
                 experiment: self.experiment,
                 run,

@@ -6,6 +6,7 @@ use std::borrow::Cow;
 use friction::{Record, Scalar};
 
 use crate::chain::Pass;
+use crate::signal::slope;
 use crate::{ChainScalar, Follows, Hook, Reach, RunMotion};
 
 /// A run as the contact meets it.
@@ -25,6 +26,16 @@ pub(crate) struct Driven<'r, D> {
 }
 
 impl<D: Scalar> Driven<'_, D> {
+    /// What the true velocity adds to the recorded acceleration, at the samples, m/s^2: nothing where it is the recorded one.
+    pub(crate) fn acceleration_beyond_the_record(&self) -> Vec<D> {
+        let recorded = &self.motion.velocity_m_s;
+        let beyond: Vec<D> = (self.velocity.iter().zip(recorded))
+            .map(|(&v, &r)| v * self.turn - r)
+            .collect();
+        let slopes = slope(&self.motion.time_s, &beyond);
+        slopes.into_iter().step_by(self.parts).collect()
+    }
+
     /// The motion as the law of friction takes it.
     pub(crate) fn record(&self) -> Record<'_, D> {
         let knots = if self.shaped {

@@ -335,6 +335,11 @@ pub trait Cause: Hooks {
     {
     }
 
+    /// [`Reach::Stage`]: whether the rig's stated mass moves as the true velocity says; else it follows the motor's.
+    fn moves_the_mass(&self) -> bool {
+        false
+    }
+
     /// [`Reach::Law`]: changes the law for this run; `memory` holds what was carried to it and takes what goes on.
     fn law<D: Scalar>(&self, _p: &[D], _at: Place<'_>, _law: &mut Law<D>, _memory: &mut [D])
     where

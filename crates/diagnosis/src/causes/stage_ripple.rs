@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use friction::{ParameterSpec, Scalar};
 use rig::{Cause, Experiment, Place, Reach, Reported, Requirement, RunMotion, Station};
 
+use super::marker::marked_form;
 use super::{grids, periodic};
 use periodic::{Edged, Harmonics, Sine, Toothed, Wave};
 
@@ -73,6 +74,49 @@ impl Cause for StageRipple {
 
     fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
         periodic::from_reported(reported, "pitch_m")
+    }
+
+    fn steps_a_sample(&self, p: &[f64], run: &RunMotion) -> usize {
+        steps(p[2], run)
+    }
+
+    fn stage<D: Scalar>(&self, p: &[D], at: Place<'_>, velocity: &mut [D]) {
+        ripple::<Sine, D>(p, at, velocity);
+    }
+}
+
+/// The rig's moving mass stands on the stage and ripples with it: F + M d(v_true)/dt. In the plain form it follows the motor.
+#[derive(Clone, Copy, Debug)]
+pub struct CarryingRipple;
+
+/// The marker's name in files.
+const CARRYING: &str = "moves_the_mass";
+
+impl Cause for CarryingRipple {
+    marked_form!(StageRipple, "of a stage that carries the mass", CARRYING);
+
+    fn sizes(&self) -> &'static [usize] {
+        StageRipple.sizes()
+    }
+
+    fn shape_grid(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+        StageRipple.shape_grid(experiment)
+    }
+
+    fn is_periodic(&self) -> bool {
+        true
+    }
+
+    fn requirements(&self) -> &'static [Requirement] {
+        &[Requirement::MovingMass]
+    }
+
+    fn refines(&self) -> bool {
+        true
+    }
+
+    fn moves_the_mass(&self) -> bool {
+        true
     }
 
     fn steps_a_sample(&self, p: &[f64], run: &RunMotion) -> usize {
