@@ -138,10 +138,7 @@ impl Frame {
         let begun = options.search.start().unwrap_or(Sizes::NONE);
         let more = [
             (More::Smoothing, begun.smoothing > 0.0),
-            (
-                More::PlateSmoothing,
-                begun.smoothing > 0.0 && begun.plate_smoothing > 0.0,
-            ),
+            (More::PlateSmoothing, begun.plate_smoothing > 0.0),
             (More::PlateRatio, begun.plate_ratio != 1.0),
         ];
         Self {

@@ -133,7 +133,8 @@ impl Frame {
         let mut worth: Vec<Further> = Vec::new();
         if !self.has(More::Smoothing) {
             worth.extend(self.smoother(criterion, found, thorough, evaluations));
-        } else if plate && !self.has(More::PlateSmoothing) {
+        }
+        if plate && !self.has(More::PlateSmoothing) {
             worth.extend(self.smoother_plate(criterion, found, thorough, evaluations));
         }
         if plate && !self.has(More::PlateRatio) {
@@ -205,8 +206,8 @@ impl Frame {
         })
     }
 
-    /// Beside roughness that is smoother than exponential a smoothing of its own for that of the plate, where it is likelier: a plate that is
-    /// known at the places of a grid only, or that was ground.
+    /// A smoothing of its own for the plate's roughness, where it is likelier than that of the runs': a plate that is known at the places of a
+    /// grid only, or that was ground.
     pub(super) fn smoother_plate(
         &self,
         criterion: &Criterion<'_>,

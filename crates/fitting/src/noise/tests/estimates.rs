@@ -118,6 +118,22 @@ fn a_plate_smoother_than_the_runs_is_told_from_one_that_is_alike() {
     assert!((plate - SMOOTH_PLATE.plate.ln()).abs() < 0.25, "{apart:?}");
 }
 
+/// A ground plate under runs whose own roughness is exponential is smooth, and exponential plates are not.
+#[test]
+fn a_smooth_plate_is_told_beside_exponential_runs() {
+    let ground = Sizes {
+        plate_smoothing: 0.7,
+        ..SIZES
+    };
+    let context = ramps(300, 3);
+    let [rough, smooth] = [SIZES, ground].map(|sizes| estimates(&context, &sizes, 360));
+    let own = |all: &[Sizes]| all.iter().filter(|s| s.plate_smoothing > 0.1).count();
+    assert!(own(&rough) <= 1, "{rough:?}");
+    assert!(own(&smooth) >= 6, "{smooth:?}");
+    let plate = smooth.iter().map(|s| s.plate.ln()).sum::<f64>() / 8.0;
+    assert!((plate - ground.plate.ln()).abs() < 0.25, "{smooth:?}");
+}
+
 /// Smooth roughness of two lengths is told from smooth roughness of one.
 #[test]
 fn smooth_roughness_may_have_two_lengths() {
