@@ -189,12 +189,12 @@ fn together(stretches: &[Stretch], samples: &Samples, names: &[String]) -> Lack 
     }
 }
 
-/// Stretches of like speed that are asked together, and one frequency.
+/// Stretches of like speed in which a rhythm of one frequency is loud.
 struct Band {
     log_p: f64,
     excess: f64,
-    /// Places among the stretches.
-    members: Vec<usize>,
+    /// Least and largest speed.
+    speeds: (f64, f64),
 }
 
 /// A rhythm of one frequency wherever runs go about as fast, with any phase in each: a resonance that one speed excites is weak in every run.
@@ -207,11 +207,7 @@ fn at_one_speed(stretches: &[Stretch], samples: &Samples, names: &[String]) -> L
     let Some(found) = loudest_band(stretches, &speeds) else {
         return Lack::nothing();
     };
-    let own = || found.members.iter().map(|&k| speeds[k]);
-    let (from, to) = (
-        own().fold(f64::MAX, f64::min),
-        own().fold(f64::MIN, f64::max),
-    );
+    let (from, to) = found.speeds;
     let within = stretches.iter().zip(&speeds);
     let runs: BTreeSet<usize> = (within.filter(|(_, v)| (from..=to).contains(*v)))
         .map(|(s, _)| s.run)
@@ -229,51 +225,54 @@ fn at_one_speed(stretches: &[Stretch], samples: &Samples, names: &[String]) -> L
     }
 }
 
-/// The least probable sum of powers at one frequency over neighbours in speed.
+/// The least probable sum of powers at one frequency over neighbours in speed, all bands and frequencies paid for.
 fn loudest_band(stretches: &[Stretch], speeds: &[f64]) -> Option<Band> {
+    /// Whitening is not perfect everywhere: so much more power than elsewhere is let pass.
+    const UNEVEN: f64 = 1.25;
+    let frequencies = stretches.first()?.powers.len();
+    let bands = bands(stretches, speeds);
+    let price = ((bands.len() * frequencies).max(1) as f64).ln();
+    let loudness = |members: &[usize], frequency: usize| {
+        let powers = members.iter().map(|&k| stretches[k].powers[frequency]);
+        let (sum, freedom) = (powers.sum::<f64>(), 2 * members.len());
+        Band {
+            log_p: log_chi2_tail(sum / UNEVEN, freedom),
+            excess: (sum - freedom as f64).max(0.0),
+            speeds: (speeds[members[0]], speeds[members[members.len() - 1]]),
+        }
+    };
+    let each = (bands.iter()).flat_map(|members| (0..frequencies).map(move |f| (members, f)));
+    let bands = each.map(|(members, frequency)| loudness(members, frequency));
+    let best = bands.min_by(|a, b| a.log_p.total_cmp(&b.log_p))?;
+    Some(Band {
+        log_p: (best.log_p + price).min(0.0),
+        ..best
+    })
+}
+
+/// Stretches that are neighbours in speed, from the slowest of each band to the fastest. Neighbours in a run overlap by half: every other one
+/// is independent.
+fn bands(stretches: &[Stretch], speeds: &[f64]) -> Vec<Vec<usize>> {
     /// Stretches of a band at least, and how much larger each next one is.
     const FEWEST: usize = 4;
     const LARGER: f64 = 1.5;
     /// Share of all stretches that a band holds at most: the others say what whitening leaves.
     const MOST: f64 = 0.34;
-    /// Whitening is not perfect everywhere: so much more power than elsewhere is let pass.
-    const UNEVEN: f64 = 1.25;
-    let frequencies = stretches.first()?.powers.len();
-    let (mut best, mut asked): (Option<Band>, usize) = (None, 0);
-    // Neighbours in a run overlap by half: every other one is independent.
-    for parity in 0..2 {
+    let of_parity = |parity: usize| {
         let mut order: Vec<usize> = (0..stretches.len())
             .filter(|&k| stretches[k].slot % 2 == parity && speeds[k] > 0.0)
             .collect();
         order.sort_by(|&a, &b| speeds[a].total_cmp(&speeds[b]));
         let most = (MOST * order.len() as f64) as usize;
-        let sizes =
-            std::iter::successors(Some(FEWEST), |size| Some((*size as f64 * LARGER) as usize));
-        for size in sizes.take_while(|size| *size <= most) {
-            for first in (0..=order.len() - size).step_by((size / 3).max(1)) {
-                let members = &order[first..first + size];
-                asked += frequencies;
-                for frequency in 0..frequencies {
-                    let sum: f64 = members
-                        .iter()
-                        .map(|&k| stretches[k].powers[frequency])
-                        .sum();
-                    let log_p = log_chi2_tail(sum / UNEVEN, 2 * size);
-                    if best.as_ref().is_none_or(|b| log_p < b.log_p) {
-                        best = Some(Band {
-                            log_p,
-                            excess: (sum - 2.0 * size as f64).max(0.0),
-                            members: members.to_vec(),
-                        });
-                    }
-                }
-            }
-        }
-    }
-    best.map(|b| Band {
-        log_p: (b.log_p + (asked.max(1) as f64).ln()).min(0.0),
-        ..b
-    })
+        let larger = |size: &usize| Some((*size as f64 * LARGER) as usize);
+        let sizes = std::iter::successors(Some(FEWEST), larger);
+        sizes
+            .take_while(|size| *size <= most)
+            .flat_map(|size| order.windows(size).step_by((size / 3).max(1)))
+            .map(<[usize]>::to_vec)
+            .collect::<Vec<_>>()
+    };
+    (0..2).flat_map(of_parity).collect()
 }
 
 /// cos and sin of 2 pi f j over one stretch, for each frequency that is asked.
@@ -335,12 +334,7 @@ mod tests {
         let speed = |s: &Stretch| s.slid / (WINDOW - 1) as f64;
         let speeds: Vec<f64> = stretches.iter().map(speed).collect();
         let found = loudest_band(&stretches, &speeds).expect("bands");
-        let own = || found.members.iter().map(|&k| speeds[k]);
-        let ends = (
-            own().fold(f64::MAX, f64::min),
-            own().fold(f64::MIN, f64::max),
-        );
-        (found.log_p, ends.0, ends.1)
+        (found.log_p, found.speeds.0, found.speeds.1)
     }
 
     /// A line that no single run shows is found where runs are as fast, and noise has none.

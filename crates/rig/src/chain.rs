@@ -258,45 +258,47 @@ impl<D: ChainScalar> Pass<'_, D> {
         fine.into_iter().step_by(driven.parts).collect()
     }
 
-    /// Adds the inertia of the rig's stated mass. It follows the speed of the motor, the record's where the velocity channel is
-    /// sound, else what the channel was given; or that of the stage where an effect says so.
+    /// Adds the inertia of the rig's stated mass.
     fn add_inertia(&self, run: &RunMotion, driven: &Driven<'_, D>, force: &mut [D]) {
         let mass = self.experiment.moving_mass_kg;
         if mass == 0.0 {
             return;
         }
-        let stage = |i: usize| self.active[i] && self.model.effects[i].reach() == Reach::Stage;
-        let mut effects = (self.model.sequence.iter().copied()).filter(|&i| stage(i));
-        let carried = effects
-            .clone()
-            .any(|i| self.model.effects[i].moves_the_mass());
-        if carried {
+        for (f, a) in force.iter_mut().zip(self.acceleration(run, driven)) {
+            *f += a * mass;
+        }
+    }
+
+    /// Acceleration of the rig's stated mass at the samples, m/s^2. It follows the speed of the motor, the record's where the velocity channel is
+    /// sound, else what the channel was given; or that of the stage where an effect says so.
+    fn acceleration(&self, run: &RunMotion, driven: &Driven<'_, D>) -> Vec<D> {
+        let recorded = run.acceleration_m_s2.iter();
+        let of_the_stage = (self.model.sequence.iter().copied())
+            .filter(|&i| self.active[i] && self.model.effects[i].reach() == Reach::Stage);
+        let mut effects = of_the_stage.map(|i| (i, &self.model.effects[i]));
+        if effects.clone().any(|(_, cause)| cause.moves_the_mass()) {
             let beyond = driven.acceleration_beyond_the_record();
-            let each = run.acceleration_m_s2.iter().zip(beyond);
-            for (f, (&recorded, beyond)) in force.iter_mut().zip(each) {
-                *f += (beyond + recorded) * mass;
-            }
-            return;
+            return beyond
+                .into_iter()
+                .zip(recorded)
+                .map(|(b, &a)| b + a)
+                .collect();
         }
-        if let Some(i) = effects.find(|&i| self.model.effects[i].station() == Station::Sensor) {
-            let at = Place {
-                experiment: self.experiment,
-                run,
-            };
-            let mut velocity: Vec<D> = run.velocity_m_s.iter().map(|&v| D::constant(v)).collect();
-            let own = &self.parameters[self.model.span(i)];
-            let hook = Hook::Stage {
-                velocity: &mut velocity,
-            };
-            D::call(self.model.effects[i].as_ref(), own, at, hook);
-            for (f, a) in force.iter_mut().zip(slope(&run.time_s, &velocity)) {
-                *f += a * mass;
-            }
-            return;
-        }
-        for (f, a) in force.iter_mut().zip(&run.acceleration_m_s2) {
-            *f += mass * a;
-        }
+        let Some((i, channel)) = effects.find(|(_, cause)| cause.station() == Station::Sensor)
+        else {
+            return recorded.map(|&a| D::constant(a)).collect();
+        };
+        let at = Place {
+            experiment: self.experiment,
+            run,
+        };
+        let mut velocity: Vec<D> = run.velocity_m_s.iter().map(|&v| D::constant(v)).collect();
+        let own = &self.parameters[self.model.span(i)];
+        let hook = Hook::Stage {
+            velocity: &mut velocity,
+        };
+        D::call(channel.as_ref(), own, at, hook);
+        slope(&run.time_s, &velocity)
     }
 
     /// Effects that change a series in place, in the order of the stations.

@@ -104,7 +104,7 @@ impl Cause for CarryingRipple {
     }
 
     fn is_periodic(&self) -> bool {
-        true
+        StageRipple.is_periodic()
     }
 
     fn requirements(&self) -> &'static [Requirement] {
@@ -120,11 +120,11 @@ impl Cause for CarryingRipple {
     }
 
     fn steps_a_sample(&self, p: &[f64], run: &RunMotion) -> usize {
-        steps(p[2], run)
+        StageRipple.steps_a_sample(p, run)
     }
 
     fn stage<D: Scalar>(&self, p: &[D], at: Place<'_>, velocity: &mut [D]) {
-        ripple::<Sine, D>(p, at, velocity);
+        StageRipple.stage(p, at, velocity);
     }
 }
 

@@ -106,16 +106,28 @@ fn a_length_of_the_plates_own_is_told_from_one_for_both() {
     );
 }
 
+/// Of eight records of each at most one of `alike` and at least `seen` of `apart` are said to have a plate whose smoothing is its own, beyond
+/// `beyond`, and the size of `apart`'s plate is not taken for less.
+fn assert_a_smooth_plate_is_told(
+    (alike, apart): (Sizes, Sizes),
+    first_seed: u64,
+    beyond: f64,
+    seen: usize,
+) {
+    let context = ramps(300, 3);
+    let planted = apart.plate.ln();
+    let [alike, apart] = [alike, apart].map(|sizes| estimates(&context, &sizes, first_seed));
+    let own = |all: &[Sizes]| all.iter().filter(|s| s.plate_smoothing > beyond).count();
+    assert!(own(&alike) <= 1, "{alike:?}");
+    assert!(own(&apart) >= seen, "{apart:?}");
+    let plate = apart.iter().map(|s| s.plate.ln()).sum::<f64>() / 8.0;
+    assert!((plate - planted).abs() < 0.25, "{apart:?}");
+}
+
 /// A plate that is smoother than the runs' own roughness is told from one where both are alike, and its roughness is not taken for less.
 #[test]
 fn a_plate_smoother_than_the_runs_is_told_from_one_that_is_alike() {
-    let context = ramps(300, 3);
-    let [alike, apart] = [SMOOTH, SMOOTH_PLATE].map(|sizes| estimates(&context, &sizes, 160));
-    let own = |all: &[Sizes]| all.iter().filter(|s| s.plate_smoothing > 0.0).count();
-    assert!(own(&alike) <= 1, "{alike:?}");
-    assert!(own(&apart) >= 5, "{apart:?}");
-    let plate = apart.iter().map(|s| s.plate.ln()).sum::<f64>() / 8.0;
-    assert!((plate - SMOOTH_PLATE.plate.ln()).abs() < 0.25, "{apart:?}");
+    assert_a_smooth_plate_is_told((SMOOTH, SMOOTH_PLATE), 160, 0.0, 5);
 }
 
 /// A ground plate under runs whose own roughness is exponential is smooth, and exponential plates are not.
@@ -125,13 +137,7 @@ fn a_smooth_plate_is_told_beside_exponential_runs() {
         plate_smoothing: 0.7,
         ..SIZES
     };
-    let context = ramps(300, 3);
-    let [rough, smooth] = [SIZES, ground].map(|sizes| estimates(&context, &sizes, 360));
-    let own = |all: &[Sizes]| all.iter().filter(|s| s.plate_smoothing > 0.1).count();
-    assert!(own(&rough) <= 1, "{rough:?}");
-    assert!(own(&smooth) >= 6, "{smooth:?}");
-    let plate = smooth.iter().map(|s| s.plate.ln()).sum::<f64>() / 8.0;
-    assert!((plate - ground.plate.ln()).abs() < 0.25, "{smooth:?}");
+    assert_a_smooth_plate_is_told((SIZES, ground), 360, 0.1, 6);
 }
 
 /// Smooth roughness of two lengths is told from smooth roughness of one.
