@@ -7,7 +7,7 @@
 
 use std::cmp::Ordering;
 
-use fitting::noise::{Sizes, Whitener};
+use fitting::noise::Sizes;
 use rayon::prelude::*;
 
 use crate::bench::{Bench, Beside, Fitted};
@@ -16,7 +16,7 @@ use crate::scan::{Scan, extended};
 use crate::selection::Warm;
 use crate::settled::settle;
 use crate::stand::Stand;
-use crate::starts::{ranked, with_laws};
+use crate::starts::{Record, with_laws};
 use crate::subset::Subset;
 use crate::valleys::deepest;
 
@@ -92,7 +92,7 @@ pub(crate) fn afresh(
         bench,
         subset,
         stand,
-        whitener: bench.healthy_noise(&subset.context(bench, &bench.crude_scale())),
+        record: Record::of_a_healthy_rig(bench, subset),
     };
     let candidates: Vec<(usize, Vec<Vec<f64>>)> = found
         .candidates
@@ -236,7 +236,7 @@ struct Search<'a> {
     bench: &'a Bench<'a>,
     subset: &'a Subset,
     stand: &'a Stand,
-    whitener: Whitener,
+    record: Record<'a>,
 }
 
 impl Search<'_> {
@@ -306,7 +306,7 @@ impl Search<'_> {
         let measured = self.subset.gather(&bench.experiment.measured_n);
         let cost = |prediction: &[f64]| {
             let residual = self.subset.gather(prediction) - &measured;
-            0.5 * self.whitener.whiten(&residual).norm_squared()
+            0.5 * self.record.whitener().whiten(&residual).norm_squared()
         };
         let mut starts: Vec<Fitted> = with_laws(&stand.fitted.parameters, suggested)
             .into_iter()
@@ -367,9 +367,9 @@ impl Search<'_> {
         laws.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         let mut nearest: Vec<(f64, Vec<f64>)> = Vec::new();
         for law in laws {
-            // In units of 1/2 |W r|^2, as the law's cost.
-            let enough = nearest.get(most - 1).map_or(f64::INFINITY, |n| 0.5 * n.0);
-            if law.cost > OUT_OF_REACH * enough {
+            let enough = nearest.get(most - 1).map_or(f64::INFINITY, |n| n.0);
+            // The law's cost is 1/2 |W r|^2.
+            if 2.0 * law.cost > OUT_OF_REACH * enough {
                 break;
             }
             let beside = |own: &Vec<f64>| extended(self.bench, law, cause, own);
@@ -381,15 +381,7 @@ impl Search<'_> {
                 continue;
             };
             let paths = law.paths(self.bench);
-            let ranked = ranked(
-                self.bench,
-                self.subset,
-                &self.whitener,
-                model,
-                starts,
-                paths,
-            );
-            nearest.extend(ranked.into_iter().next());
+            nearest.extend(self.record.nearest(model, starts, paths, enough));
             nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
             nearest.truncate(most);
         }
@@ -400,8 +392,14 @@ impl Search<'_> {
     fn fit(&self, cause: usize, start: &[f64], steps: u64) -> Option<Fitted> {
         let mut effects = self.stand.fitted.effects.clone();
         effects.push(cause);
-        self.bench
-            .fit(self.subset, &effects, start, &self.whitener, None, steps)
+        self.bench.fit(
+            self.subset,
+            &effects,
+            start,
+            self.record.whitener(),
+            None,
+            steps,
+        )
     }
 
     /// The first fit carried on, and fits from the other starts: the best of them.

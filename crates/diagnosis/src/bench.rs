@@ -54,6 +54,13 @@ pub(crate) fn conditions(campaign: &Campaign) -> Vec<usize> {
     own
 }
 
+/// Kinds of noise that an estimate asks for: roughness that is smoother or of two lengths, and a force channel that wanders.
+#[derive(Clone, Copy)]
+struct Kinds {
+    smooth: bool,
+    wanders: bool,
+}
+
 /// A law with effects, fitted to the runs of a subset.
 #[derive(Clone)]
 pub(crate) struct Fitted {
@@ -458,7 +465,11 @@ impl<'a> Bench<'a> {
         within: &DMatrix<f64>,
         search: Search,
     ) -> NoiseModel {
-        self.noise_with(subset, fitted, jacobian, within, (search, true))
+        let kinds = Kinds {
+            smooth: true,
+            wanders: self.may_wander,
+        };
+        self.noise_with(subset, fitted, jacobian, within, (search, kinds))
     }
 
     /// The same from given sizes, of just their kind: with lengths, smoothings and a wander that they have, and no others.
@@ -470,19 +481,23 @@ impl<'a> Bench<'a> {
         within: &DMatrix<f64>,
         sizes: Sizes,
     ) -> Sizes {
-        let again = (Search::Again(sizes), false);
+        let own = Kinds {
+            smooth: false,
+            wanders: self.may_wander && sizes.wander > 0.0,
+        };
+        let again = (Search::Again(sizes), own);
         self.noise_with(subset, fitted, jacobian, within, again)
             .sizes
     }
 
-    /// `search`: where it begins, and whether it asks for roughness of another kind.
+    /// `search`: where it begins, and for what it asks beside.
     fn noise_with(
         &self,
         subset: &Subset,
         fitted: &Fitted,
         jacobian: &DMatrix<f64>,
         within: &DMatrix<f64>,
-        (search, smooth): (Search, bool),
+        (search, Kinds { smooth, wanders }): (Search, Kinds),
     ) -> NoiseModel {
         let context = subset.context_of(self, fitted);
         let residual =
@@ -498,7 +513,7 @@ impl<'a> Bench<'a> {
                 search,
                 uncertainty: false,
                 smooth,
-                wanders: self.may_wander,
+                wanders,
             },
         )
     }

@@ -67,6 +67,15 @@ impl Subset {
         }
     }
 
+    /// Some of these runs alone, on the same plate.
+    pub(crate) fn only(&self, bench: &Bench<'_>, runs: Vec<usize>) -> Self {
+        Self {
+            late: self.late,
+            turns: self.turns,
+            ..Self::new(bench, runs)
+        }
+    }
+
     /// How late samples tell of the plate.
     pub(crate) fn lateness(&self) -> Lateness {
         self.late

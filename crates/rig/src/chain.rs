@@ -31,35 +31,50 @@ pub(crate) struct Pass<'a, D> {
 impl<D: ChainScalar> Pass<'_, D> {
     /// Recorded force of all runs, N; NaN over a run whose state leaves the numbers.
     pub(crate) fn predict(&self) -> Vec<D> {
+        self.predict_of(&|_| true)
+    }
+
+    /// The same with NaN over runs that are not wanted and that no wanted one remembers.
+    pub(crate) fn predict_of(&self, wanted: &(dyn Fn(usize) -> bool + Sync)) -> Vec<D> {
         let runs = &self.experiment.runs;
         let done = Done::new(self);
         let each = if self.remembers() {
             let mut memories = self.blank();
             let one = |(index, run)| self.run(index, run, &mut memories, &done);
-            runs.iter().enumerate().map(one).collect()
+            let last = (0..runs.len()).rev().find(|&run| wanted(run));
+            let remembered = runs
+                .iter()
+                .enumerate()
+                .take(last.map_or(0, |last| last + 1));
+            remembered.map(one).map(Some).collect()
         } else {
-            self.side_by_side(&done)
+            self.side_by_side(&done, wanted)
         };
         let mut out = Vec::with_capacity(self.experiment.samples());
-        for (force, run) in each.into_iter().zip(runs) {
+        let known = each.into_iter().chain(std::iter::repeat_with(|| None));
+        for (force, run) in known.zip(runs) {
             match force {
-                Ok(force) => out.extend(force),
-                Err(_) => out.resize(out.len() + run.len(), D::constant(f64::NAN)),
+                Some(Ok(force)) => out.extend(force),
+                _ => out.resize(out.len() + run.len(), D::constant(f64::NAN)),
             }
         }
         out
     }
 
-    /// Runs that know nothing of one another, on all threads: those first whose mechanics serve others.
-    fn side_by_side(&self, done: &Done<D>) -> Vec<Forces<D>> {
+    /// Runs that know nothing of one another, on all threads: those first whose mechanics serve others. None of a run that is not wanted.
+    fn side_by_side(
+        &self,
+        done: &Done<D>,
+        wanted: &(dyn Fn(usize) -> bool + Sync),
+    ) -> Vec<Option<Forces<D>>> {
         let runs = self.experiment.runs.par_iter().enumerate();
         let one = |index, run| self.run(index, run, &mut self.blank(), done);
         let first: Vec<Option<Forces<D>>> = runs
             .clone()
-            .map(|(index, run)| (!done.waits(index, run)).then(|| one(index, run)))
+            .map(|(index, run)| (wanted(index) && !done.waits(index, run)).then(|| one(index, run)))
             .collect();
         runs.zip(first)
-            .map(|((index, run), known)| known.unwrap_or_else(|| one(index, run)))
+            .map(|((index, run), known)| known.or_else(|| wanted(index).then(|| one(index, run))))
             .collect()
     }
 

@@ -222,6 +222,21 @@ impl Model {
         self.predict_along(experiment, parameters, &Walks::forgotten(paths))
     }
 
+    /// [`Model::predict_beside`] over the runs that are wanted, bit for bit; NaN over others, but for those that a wanted one remembers.
+    ///
+    /// # Panics
+    /// As [`Model::predict`].
+    pub fn predict_of(
+        &self,
+        experiment: &Experiment,
+        parameters: &[f64],
+        paths: &Paths,
+        wanted: impl Fn(usize) -> bool + Sync,
+    ) -> Vec<f64> {
+        self.pass(experiment, parameters, &Walks::forgotten(paths))
+            .predict_of(&wanted)
+    }
+
     /// [`Model::predict`] with the paths that it walks, for what is computed beside it.
     ///
     /// # Panics
@@ -248,6 +263,15 @@ impl Model {
         parameters: &[f64],
         walks: &Walks<'_>,
     ) -> Vec<f64> {
+        self.pass(experiment, parameters, walks).predict()
+    }
+
+    fn pass<'a>(
+        &'a self,
+        experiment: &'a Experiment,
+        parameters: &'a [f64],
+        walks: &'a Walks<'a>,
+    ) -> Pass<'a, f64> {
         self.assert_complete(parameters);
         Pass {
             model: self,
@@ -258,7 +282,6 @@ impl Model {
             gain: None,
             walks,
         }
-        .predict()
     }
 
     /// The part of each recorded force that follows friction, N (rotary N m): what roughness and the scatter between runs

@@ -101,6 +101,10 @@ impl Frame {
         let near = starts.map(|start| frame.on_grid(&levelled, &start, spacing, NEAR));
         *evaluations += near.iter().map(|found| found.evaluations).sum::<usize>();
         let near = (near.into_iter()).min_by(|a, b| a.value.total_cmp(&b.value))?;
+        // Sizes that are likeliest without a wander can only save less.
+        if without - near.value < WORTH_WANDER {
+            return None;
+        }
         let as_still = self.on_grid(&levelled, &still.point, spacing, NEAR);
         *evaluations += as_still.evaluations;
         let saved = as_still.value - near.value;
@@ -118,6 +122,45 @@ impl Frame {
             minimum,
             saved,
         })
+    }
+
+    /// What -2 log likelihood is at each of these points beyond that of `plain`, the minimum of a frame without a further number, both on the
+    /// given spacing of the plate's grid.
+    fn beyond(
+        &self,
+        criterion: &Criterion<'_>,
+        (without, plain): (&Self, &Minimum),
+        points: &[(f64, Vec<f64>)],
+        evaluations: &mut usize,
+    ) -> Vec<f64> {
+        let mut spacings: Vec<f64> = points.iter().map(|(spacing, _)| *spacing).collect();
+        spacings.sort_by(f64::total_cmp);
+        spacings.dedup();
+        *evaluations += points.len() + spacings.len();
+        let as_plain = |&spacing: &f64| without.value(criterion, &plain.point, spacing);
+        let own = |(spacing, point): &(f64, Vec<f64>)| self.value(criterion, point, *spacing);
+        let (plain, own): (Vec<f64>, Vec<f64>) = rayon::join(
+            || spacings.par_iter().map(as_plain).collect(),
+            || points.par_iter().map(own).collect(),
+        );
+        let at = |spacing| spacings.iter().position(|&s| s == spacing);
+        (points.iter().zip(own))
+            .map(|((spacing, _), own)| own - at(*spacing).map_or(f64::NAN, |k| plain[k]))
+            .collect()
+    }
+
+    /// Of these points that which is likeliest beside `plain`, with what -2 log likelihood is beyond it there ([`Self::beyond`]).
+    fn likeliest(
+        &self,
+        criterion: &Criterion<'_>,
+        beside: (&Self, &Minimum),
+        points: Vec<(f64, Vec<f64>)>,
+        evaluations: &mut usize,
+    ) -> Option<(f64, Vec<f64>)> {
+        let beyond = self.beyond(criterion, beside, &points, evaluations);
+        (beyond.into_iter().zip(points))
+            .map(|(beyond, (_, point))| (beyond, point))
+            .min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     /// The further number that saves most beside `found`, if any is worth it.
@@ -156,27 +199,20 @@ impl Frame {
         evaluations: &mut usize,
     ) -> Option<Further> {
         let smooth = self.clone().with(More::Smoothing);
-        let probed: Vec<(f64, Vec<f64>)> = PROBES
-            .par_iter()
-            .map(|&(smoothing, share)| {
-                // Roughness is alike over l (1 + rho).
-                let mut point = plain.point.clone();
-                point[LENGTH] += (share / (1.0 + smoothing)).ln();
-                point.push(smoothing.ln());
-                let spacing = smooth.spacing(&point);
-                let beyond = smooth.value(criterion, &point, spacing)
-                    - self.value(criterion, &plain.point, spacing);
-                (beyond, point)
-            })
-            .collect();
-        let likelier = (probed.into_iter())
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-            .filter(|(beyond, _)| thorough || *beyond < 0.0);
-        *evaluations += 2 * PROBES.len();
-        let (_, point) = likelier?;
+        let probe = |&(smoothing, share): &(f64, f64)| {
+            // Roughness is alike over l (1 + rho).
+            let mut point = plain.point.clone();
+            point[LENGTH] += (share / (1.0 + smoothing)).ln();
+            point.push(smoothing.ln());
+            (smooth.spacing(&point), point)
+        };
+        let probes = PROBES.iter().map(probe).collect();
+        let (_, point) = smooth
+            .likeliest(criterion, (self, plain), probes, evaluations)
+            .filter(|(beyond, _)| thorough || *beyond < 0.0)?;
         let from = if thorough {
             let coarse = smooth.coarse(&point);
-            let near = smooth.near(criterion, &point, coarse);
+            let near = smooth.on_grid(criterion, &point, coarse, NEAR);
             *evaluations += near.evaluations + 1;
             // What is not seen there at all will not be worth its price on a finer grid.
             if near.value > self.value(criterion, &plain.point, coarse) - 0.5 * WORTH_SMOOTHING {
@@ -220,15 +256,11 @@ impl Frame {
             let mut point = alike.point.clone();
             point[PLATE] += more.ln();
             point.push(smoothing.ln());
-            let spacing = apart.spacing(&point);
-            let beyond = apart.value(criterion, &point, spacing)
-                - self.value(criterion, &alike.point, spacing);
-            (beyond, point)
+            (apart.spacing(&point), point)
         };
-        let probed: Vec<(f64, Vec<f64>)> = PLATE_PROBES.par_iter().map(probe).collect();
-        *evaluations += 2 * PLATE_PROBES.len();
-        let (_, start) = (probed.into_iter())
-            .min_by(|a, b| a.0.total_cmp(&b.0))
+        let probes = PLATE_PROBES.iter().map(probe).collect();
+        let (_, start) = apart
+            .likeliest(criterion, (self, alike), probes, evaluations)
             .filter(|(beyond, _)| thorough || *beyond < 0.0)?;
         let (minimum, saved) = apart.worth_more(
             criterion,
@@ -255,7 +287,7 @@ impl Frame {
         evaluations: &mut usize,
     ) -> Option<(Minimum, f64)> {
         let coarse = self.coarse(start);
-        let near = self.near(criterion, start, coarse);
+        let near = self.on_grid(criterion, start, coarse, NEAR);
         *evaluations += near.evaluations + 1;
         if near.value > without.value(criterion, &plain.point, coarse) - 0.5 * worth {
             return None;
@@ -308,29 +340,24 @@ impl Frame {
         evaluations: &mut usize,
     ) -> Option<Further> {
         let apart = self.clone().with(More::PlateRatio);
-        let probed: Vec<(f64, Vec<f64>)> = RATIOS
-            .par_iter()
-            .map(|&(ratio, moved)| {
-                // What roughness does over short ways, its variance over its length, stays.
-                let mut point = one.point.clone();
-                point[LENGTH] += moved * ratio.ln();
-                point[PRIVATE] += 0.5 * moved * ratio.ln();
-                point[PLATE] += 0.5 * (1.0 + moved) * ratio.ln();
-                point.push(ratio.ln());
-                let spacing = apart.coarse(&point).min(self.coarse(&one.point));
-                let beyond = apart.value(criterion, &point, spacing)
-                    - self.value(criterion, &one.point, spacing);
-                (beyond, point)
-            })
-            .collect();
-        *evaluations += 2 * RATIOS.len();
+        let probe = |&(ratio, moved): &(f64, f64)| {
+            // What roughness does over short ways, its variance over its length, stays.
+            let mut point = one.point.clone();
+            point[LENGTH] += moved * ratio.ln();
+            point[PRIVATE] += 0.5 * moved * ratio.ln();
+            point[PLATE] += 0.5 * (1.0 + moved) * ratio.ln();
+            point.push(ratio.ln());
+            (apart.coarse(&point).min(self.coarse(&one.point)), point)
+        };
         // Beside smoothing, which does much of what a second length would, a search is begun again for what is seen at once only.
-        let enough = match self.has(More::Smoothing) && !thorough {
+        let smooth = self.has(More::Smoothing) || self.has(More::PlateSmoothing);
+        let enough = match smooth && !thorough {
             true => 0.0,
             false => WORTH_SECOND_LENGTH,
         };
-        let (_, start) = (probed.into_iter())
-            .min_by(|a, b| a.0.total_cmp(&b.0))
+        let probes = RATIOS.iter().map(probe).collect();
+        let (_, start) = apart
+            .likeliest(criterion, (self, one), probes, evaluations)
             .filter(|(beyond, _)| *beyond < enough)?;
         let (minimum, saved) = apart.worth_more(
             criterion,

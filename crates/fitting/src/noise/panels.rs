@@ -31,14 +31,15 @@ impl Panels {
     pub(super) fn of(rows: &Rows, nodes: usize) -> Self {
         let blocks = nodes.div_ceil(SIDE);
         let order = by_first_node(&rows.first, nodes);
+        let widest = order.iter().map(|&i| rows.blocks(i).len()).max();
+        let most = widest.unwrap_or(0) + SLACK;
+        let panels = order.len().div_ceil(SIDE);
         let mut all = Self {
-            panels: Vec::with_capacity(order.len().div_ceil(SIDE)),
-            tiles: Vec::new(),
+            panels: Vec::with_capacity(panels),
+            tiles: Vec::with_capacity(panels * most),
             blocks,
             width: 0,
         };
-        let widest = order.iter().map(|&i| rows.blocks(i).len()).max();
-        let most = widest.unwrap_or(0) + SLACK;
         let end = |i: usize| rows.first[i] / SIDE + rows.blocks(i).len();
         let mut order = &order[..];
         while let [i, ..] = order {

@@ -11,6 +11,8 @@ use super::vectors::wide;
 
 /// Entries of a row below this (relative to one) are dropped.
 const FORGOTTEN: f64 = 1e-5;
+/// Blocks of nodes that most rows have at most: room for them is made at once.
+const BLOCKS: usize = 8;
 /// Never longer rows than this.
 const LONGEST_ROW: usize = 96;
 
@@ -62,7 +64,7 @@ impl Rows {
             first: Vec::with_capacity(n),
             count: Vec::with_capacity(n),
             offset: Vec::with_capacity(n + 1),
-            values: Vec::with_capacity(n * 4),
+            values: Vec::with_capacity(n * BLOCKS),
             width: 0,
         };
         rows.offset.push(0);
