@@ -303,11 +303,8 @@ impl Search<'_> {
     fn law_starts(&self, suggested: Vec<Vec<f64>>) -> Vec<Fitted> {
         let (bench, stand) = (self.bench, self.stand);
         let model = &stand.fitted.model;
-        let measured = self.subset.gather(&bench.experiment.measured_n);
-        let cost = |prediction: &[f64]| {
-            let residual = self.subset.gather(prediction) - &measured;
-            0.5 * self.record.whitener().whiten(&residual).norm_squared()
-        };
+        // As those of fits, 1/2 |W r|^2.
+        let cost = |prediction: &[f64]| 0.5 * self.record.cost(prediction);
         let mut starts: Vec<Fitted> = with_laws(&stand.fitted.parameters, suggested)
             .into_iter()
             .filter_map(|parameters| {

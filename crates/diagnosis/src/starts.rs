@@ -53,54 +53,74 @@ pub(crate) fn ranked(
     ranked
 }
 
-/// Every so many-th run is looked at first.
-const FIRST: usize = 3;
+/// Every so many-th run is looked at, before all are.
+const LOOKS: [usize; 2] = [6, 3];
 /// Share of a bound that counts: some runs have a grid of the plate of their own.
 const SURE: f64 = 0.9;
-/// Starts that are predicted side by side once their bounds are known.
+/// Starts that are followed side by side once they have been looked at.
 const SIDE_BY_SIDE: usize = 2;
-
-/// Runs that are looked at before others, with their noise.
-struct FirstLook {
-    subset: Subset,
-    whitener: Whitener,
-}
 
 /// The record that starts are held against.
 pub(crate) struct Record<'a> {
     bench: &'a Bench<'a>,
-    subset: &'a Subset,
+    /// Of more and more runs.
+    before: Vec<View>,
+    whole: View,
+}
+
+/// Some runs with their noise.
+struct View {
+    subset: Subset,
     whitener: Whitener,
-    /// `None` where the runs are few.
-    first: Option<FirstLook>,
+    /// Those that no view before shows.
+    new: Vec<usize>,
+}
+
+/// A start as far as it has been looked at.
+struct Prospect {
+    /// Its place among the starts.
+    start: usize,
+    predicted: Vec<f64>,
+    /// What the runs of the last view cost, the least that all may cost.
+    bound: f64,
 }
 
 impl<'a> Record<'a> {
     /// These runs under the noise of a healthy rig.
-    pub(crate) fn of_a_healthy_rig(bench: &'a Bench<'a>, subset: &'a Subset) -> Self {
+    pub(crate) fn of_a_healthy_rig(bench: &'a Bench<'a>, subset: &Subset) -> Self {
         let scale = bench.crude_scale();
-        let noise = |of: &Subset| bench.healthy_noise(&of.context(bench, &scale));
-        let some: Vec<usize> = subset.runs.iter().copied().step_by(FIRST).collect();
-        let first = (some.len() < subset.runs.len()).then(|| {
-            let subset = subset.only(bench, some);
-            let whitener = noise(&subset);
-            FirstLook { subset, whitener }
+        let mut shown: Vec<usize> = Vec::new();
+        let mut view = |subset: Subset| {
+            let mut new = subset.runs.clone();
+            new.retain(|run| !shown.contains(run));
+            shown.extend(&new);
+            View {
+                whitener: bench.healthy_noise(&subset.context(bench, &scale)),
+                subset,
+                new,
+            }
+        };
+        let some = LOOKS.map(|step| {
+            let runs = subset.runs.iter().copied().step_by(step);
+            subset.only(bench, runs.collect())
         });
+        let mut before: Vec<View> = some.into_iter().map(&mut view).collect();
+        let whole = view(subset.clone());
+        before.retain(|view| !view.new.is_empty() && view.subset.len() < whole.subset.len());
         Self {
-            whitener: noise(subset),
             bench,
-            subset,
-            first,
+            before,
+            whole,
         }
     }
 
-    /// The noise of all runs.
-    pub(crate) fn whitener(&self) -> &Whitener {
-        &self.whitener
+    /// |W (predicted - measured)|^2 over all runs.
+    pub(crate) fn cost(&self, predicted: &[f64]) -> f64 {
+        self.cost_in(&self.whole, predicted)
     }
 
-    /// Of these starts the nearest with its cost |W (predicted - measured)|^2, if that is finite and less than `enough`; of starts that cost the same
-    /// the first. `paths` may be those of any law among the starts.
+    /// Of these starts the nearest with its cost, if that is finite and less than `enough`; of starts that cost the same the first. `paths` may be
+    /// those of any law among the starts.
     pub(crate) fn nearest(
         &self,
         model: &Model,
@@ -108,70 +128,59 @@ impl<'a> Record<'a> {
         paths: &Paths,
         enough: f64,
     ) -> Option<(f64, Vec<f64>)> {
-        let mut looks: Vec<(usize, Look)> = (starts.par_iter())
-            .map(|start| self.look(model, start, paths))
-            .enumerate()
-            .collect();
-        looks.retain(|(_, look)| look.bound.is_finite());
-        looks.sort_by(|(_, a), (_, b)| a.bound.total_cmp(&b.bound));
+        let views: Vec<&View> = self.before.iter().chain([&self.whole]).collect();
+        let (first, further) = views.split_first()?;
+        let look = |view: &View, prospect: &mut Prospect| {
+            let start = &starts[prospect.start];
+            let runs = |run: usize| view.new.contains(&run);
+            let seen = model.predict_of(&self.bench.experiment, start, paths, runs);
+            for &run in &view.new {
+                let rows = self.bench.samples.runs[run].clone();
+                prospect.predicted[rows.clone()].copy_from_slice(&seen[rows]);
+            }
+            prospect.bound = self.cost_in(view, &prospect.predicted);
+        };
+        let begun = (0..starts.len()).into_par_iter().map(|start| {
+            let mut prospect = Prospect {
+                start,
+                predicted: vec![f64::NAN; self.bench.samples.len()],
+                bound: 0.0,
+            };
+            look(first, &mut prospect);
+            prospect
+        });
+        let mut prospects: Vec<Prospect> = begun.collect();
+        prospects.sort_by(|a, b| a.bound.total_cmp(&b.bound));
         let mut nearest: Option<(f64, usize)> = None;
-        for some in looks.chunks(SIDE_BY_SIDE) {
+        for some in prospects.chunks_mut(SIDE_BY_SIDE) {
             let enough = nearest.map_or(enough, |(cost, _)| cost.min(enough));
-            let costs = some.par_iter().map(|(start, look)| {
-                let near = SURE * look.bound <= enough;
-                let cost = near.then(|| self.cost(model, &starts[*start], paths, look));
-                Some((cost?, *start))
+            let costs = some.par_iter_mut().map(|prospect| {
+                for view in further {
+                    // A prediction that left the numbers is near nothing.
+                    if !(SURE * prospect.bound <= enough) {
+                        return None;
+                    }
+                    look(view, prospect);
+                }
+                Some((prospect.bound, prospect.start))
             });
             let costs: Vec<Option<(f64, usize)>> = costs.collect();
             let finite = costs.into_iter().flatten().filter(|c| c.0.is_finite());
-            nearest = nearest
-                .into_iter()
-                .chain(finite)
+            nearest = (nearest.into_iter().chain(finite))
                 .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         }
         let (cost, start) = nearest.filter(|(cost, _)| *cost < enough)?;
         starts.into_iter().nth(start).map(|start| (cost, start))
     }
 
-    fn look(&self, model: &Model, start: &[f64], paths: &Paths) -> Look {
-        let Some(first) = &self.first else {
-            return Look {
-                predicted: Vec::new(),
-                bound: 0.0,
-            };
-        };
-        let runs = |run: usize| first.subset.runs.contains(&run);
-        let predicted = model.predict_of(&self.bench.experiment, start, paths, runs);
-        Look {
-            bound: cost(self.bench, &first.subset, &first.whitener, &predicted),
-            predicted,
-        }
+    fn cost_in(&self, view: &View, predicted: &[f64]) -> f64 {
+        let measured = view.subset.gather(&self.bench.experiment.measured_n);
+        let residual = view.subset.gather(predicted) - measured;
+        view.whitener.whiten(&residual).norm_squared()
     }
 
-    /// What a start costs that has been looked at.
-    fn cost(&self, model: &Model, start: &[f64], paths: &Paths, look: &Look) -> f64 {
-        let seen = self.first.as_ref().map(|first| &first.subset.runs);
-        let is_seen = |run: usize| seen.is_some_and(|seen| seen.contains(&run));
-        let others = |run: usize| !is_seen(run);
-        let mut predicted = model.predict_of(&self.bench.experiment, start, paths, others);
-        for &run in seen.into_iter().flatten() {
-            let rows = self.bench.samples.runs[run].clone();
-            predicted[rows.clone()].copy_from_slice(&look.predicted[rows]);
-        }
-        cost(self.bench, self.subset, &self.whitener, &predicted)
+    /// The noise of all runs.
+    pub(crate) fn whitener(&self) -> &Whitener {
+        &self.whole.whitener
     }
-}
-
-/// What is known of a start from the runs that are looked at first.
-struct Look {
-    predicted: Vec<f64>,
-    /// The least that it may cost.
-    bound: f64,
-}
-
-/// |W (predicted - measured)|^2 over these runs.
-fn cost(bench: &Bench<'_>, subset: &Subset, whitener: &Whitener, predicted: &[f64]) -> f64 {
-    let measured = subset.gather(&bench.experiment.measured_n);
-    let residual = subset.gather(predicted) - measured;
-    whitener.whiten(&residual).norm_squared()
 }

@@ -50,6 +50,18 @@ impl Field {
         seen
     }
 
+    /// The same of columns that are zero outside of their own samples ([`Panels::transpose_times_owned`]).
+    pub(super) fn seen_owned(
+        &self,
+        columns: usize,
+        owner: &[usize],
+        values: &[f64],
+    ) -> Vec<Vec<Tile>> {
+        let mut seen = self.panels.transpose_times_owned(columns, owner, values);
+        (seen.iter_mut()).for_each(|block| self.information.solve_transposed(block));
+        seen
+    }
+
     /// Columns of samples and nodes: innovations become r - A q, the nodes' rows R q.
     pub(super) fn whiten(&self, columns: &mut [&mut [f64]]) {
         for block in columns.chunks_mut(SIDE) {

@@ -204,7 +204,7 @@ impl Frame {
             let mut point = plain.point.clone();
             point[LENGTH] += (share / (1.0 + smoothing)).ln();
             point.push(smoothing.ln());
-            (smooth.spacing(&point), point)
+            (smooth.coarse(&point), point)
         };
         let probes = PROBES.iter().map(probe).collect();
         let (_, point) = smooth
@@ -256,7 +256,7 @@ impl Frame {
             let mut point = alike.point.clone();
             point[PLATE] += more.ln();
             point.push(smoothing.ln());
-            (apart.spacing(&point), point)
+            (apart.coarse(&point), point)
         };
         let probes = PLATE_PROBES.iter().map(probe).collect();
         let (_, start) = apart

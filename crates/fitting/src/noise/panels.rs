@@ -105,6 +105,39 @@ impl Panels {
         )
     }
 
+    /// A'G for columns that are zero outside of their own samples, eight by eight: sample i holds `values[i]` of column `owner[i]`, of none where there are
+    /// fewer. The same bits as [`Self::transpose_times`] with the zeros, at a fraction of its price.
+    pub(super) fn transpose_times_owned(
+        &self,
+        columns: usize,
+        owner: &[usize],
+        values: &[f64],
+    ) -> Vec<Vec<Tile>> {
+        let mut out = vec![vec![[[0.0; SIDE]; SIDE]; self.blocks]; columns.div_ceil(SIDE)];
+        wide(
+            #[inline(always)]
+            || {
+                for panel in &self.panels {
+                    let own = &self.tiles[panel.tiles.clone()];
+                    for (k, &i) in panel.samples[..panel.count].iter().enumerate() {
+                        if owner[i] >= columns {
+                            continue;
+                        }
+                        // A column's nodes lie side by side until all is summed up.
+                        let (group, lane) = (owner[i] / SIDE, owner[i] % SIDE);
+                        for (out, a) in out[group][panel.first..].iter_mut().zip(own) {
+                            for l in 0..SIDE {
+                                out[lane][l] = a[k][l].mul_add(values[i], out[lane][l]);
+                            }
+                        }
+                    }
+                }
+            },
+        );
+        out.iter_mut().flatten().for_each(tiles::transpose);
+        out
+    }
+
     /// X - A Q in the place of X, for as many columns.
     pub(super) fn take_out(&self, nodes: &[Tile], columns: &mut [&mut [f64]]) {
         wide(

@@ -288,16 +288,9 @@ fn seen_by_the_plate(
             }
         }
     };
-    for first in (0..gains.runs.len()).step_by(SIDE) {
-        let count = SIDE.min(gains.runs.len() - first);
-        let own = |i: usize| {
-            let mut lanes = [0.0; SIDE];
-            if let Some(lane) = owner[i].checked_sub(first).filter(|&lane| lane < count) {
-                lanes[lane] = gains.force[i];
-            }
-            lanes
-        };
-        keep(first, count, field.seen(own));
+    let of_gains = field.seen_owned(gains.runs.len(), owner, &gains.force);
+    for (first, block) in (0..gains.runs.len()).step_by(SIDE).zip(of_gains) {
+        keep(first, SIDE.min(gains.runs.len() - first), block);
     }
     let n = columns.nrows();
     for (c, block) in columns.as_slice().chunks(n * SIDE).enumerate() {

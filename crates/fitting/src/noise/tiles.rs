@@ -12,6 +12,12 @@ pub(super) type Tile = [[f64; SIDE]; SIDE];
 /// Rows of a result that are kept in registers at once.
 const HELD: usize = 4;
 
+/// M' in the place of M.
+pub(super) fn transpose(m: &mut Tile) {
+    let before = *m;
+    *m = std::array::from_fn(|i| std::array::from_fn(|j| before[j][i]));
+}
+
 /// C + s A'B, with s = 1 or -1.
 #[inline(always)]
 pub(super) fn add_transposed_product<const PLUS: bool>(c: &mut Tile, a: &Tile, b: &Tile) {
