@@ -184,3 +184,49 @@ impl<'a> Record<'a> {
         &self.whole.whitener
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::{Options, prepare};
+
+    /// Some of the runs cost at most what all do, and the nearest start is the one that all runs of all starts tell, however near is near enough.
+    #[test]
+    fn starts_that_are_left_early_are_not_the_nearest() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/campaigns");
+        let campaign = campaign::open(&folder.join("brush-2x2-aluminium")).expect("a campaign");
+        let bench = prepare::bench(&campaign, &Options::default()).expect("a bench");
+        let subset = Subset::all(&bench);
+        let model = bench.model(&[]).expect("a model");
+        let starts = bench.law_starts(&model);
+        let record = Record::of_a_healthy_rig(&bench, &subset);
+        let whitener = record.whitener();
+        let all = ranked(
+            &bench,
+            &subset,
+            whitener,
+            &model,
+            starts.clone(),
+            Paths::NONE,
+        );
+        assert!(!record.before.is_empty() && all.len() > 10);
+        for (cost, start) in &all {
+            let predicted = model.predict(&bench.experiment, start);
+            for view in &record.before {
+                let bound = record.cost_in(view, &predicted);
+                assert!(SURE * bound <= *cost, "{bound} {cost}");
+            }
+        }
+        let nearest = &all[0];
+        for (enough, found) in [
+            (f64::INFINITY, Some(nearest)),
+            (1.01 * nearest.0, Some(nearest)),
+            (nearest.0, None),
+        ] {
+            let own = record.nearest(&model, starts.clone(), Paths::NONE, enough);
+            assert_eq!(own.as_ref(), found, "{enough}");
+        }
+    }
+}

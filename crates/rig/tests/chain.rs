@@ -5,7 +5,7 @@ mod campaigns;
 use campaign::{Axis, InitialState, Protocol};
 use campaigns::{BRISTLE, HEIGHT, LUGRE, campaign, ramp, run, time, wave};
 use friction::{Drive, LawKind, Record, integrate};
-use rig::{Experiment, Model};
+use rig::{Experiment, Model, Paths};
 
 fn coefficients(kind: LawKind, p: &[f64], t: &[f64], v: &[f64], initial: f64) -> Vec<f64> {
     let law = kind.build(p, Some(HEIGHT)).expect("complete");
@@ -95,6 +95,24 @@ fn moving_mass_adds_inertia_and_an_unloaded_run_shows_nothing_else() {
         close(&part[1..199], &exact[1..199], 1e-4);
     }
     close(&model.predict(&without, &LUGRE)[200..], &[0.0; 200], 1e-15);
+}
+
+/// Runs that are asked for come out as among all, bit for bit; the others are no numbers.
+#[test]
+fn some_runs_alone_are_predicted_as_among_all() {
+    let t = time(200, 0.02);
+    let runs = [0.01, 0.02, 0.03, 0.04].map(|speed| run(&t, ramp(&t, speed), Some(3.0), 1));
+    let experiment = Experiment::new(&campaign(runs.to_vec())).expect("moves");
+    let model = Model::new(LawKind::AsymmetricBristle, vec![], &experiment).expect("model");
+    let all = model.predict(&experiment, &BRISTLE);
+    let some = model.predict_of(&experiment, &BRISTLE, Paths::NONE, |run| run % 2 == 1);
+    assert_eq!(some.len(), all.len());
+    for (i, (own, among_all)) in some.iter().zip(&all).enumerate() {
+        match i / t.len() % 2 {
+            1 => assert_eq!(own.to_bits(), among_all.to_bits(), "{i}"),
+            _ => assert!(own.is_nan(), "{i}"),
+        }
+    }
 }
 
 #[test]

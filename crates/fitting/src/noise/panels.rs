@@ -120,11 +120,11 @@ impl Panels {
                 for panel in &self.panels {
                     let own = &self.tiles[panel.tiles.clone()];
                     for (k, &i) in panel.samples[..panel.count].iter().enumerate() {
-                        if owner[i] >= columns {
+                        let Some(&column) = owner.get(i).filter(|&&own| own < columns) else {
                             continue;
-                        }
+                        };
                         // A column's nodes lie side by side until all is summed up.
-                        let (group, lane) = (owner[i] / SIDE, owner[i] % SIDE);
+                        let (group, lane) = (column / SIDE, column % SIDE);
                         for (out, a) in out[group][panel.first..].iter_mut().zip(own) {
                             for l in 0..SIDE {
                                 out[lane][l] = a[k][l].mul_add(values[i], out[lane][l]);

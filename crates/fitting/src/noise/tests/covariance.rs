@@ -175,7 +175,8 @@ fn the_ways_to_take_the_field_out_agree() {
 }
 
 fn agree(sizes: &Sizes) {
-    let context = ramps(150, 3);
+    // more runs than columns go through the plate side by side
+    let context = ramps(90, 5);
     let r = draw(&context, sizes, 2);
     let wave = DMatrix::from_fn(context.samples(), 1, |i, _| (30.0 * context.place[i]).cos());
     let gains = gain_columns(&context);
