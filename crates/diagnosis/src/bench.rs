@@ -383,6 +383,7 @@ impl<'a> Bench<'a> {
     /// The same questions to a condensed record.
     pub(crate) fn condensed<'c>(&self, short: &'c Condensed) -> Bench<'c> {
         let mut samples = Samples::new(&short.campaign);
+        samples.least_speed_m_s = self.samples.least_speed_m_s;
         samples.averaged = short.averaged.clone();
         let experiment = Experiment::new(&short.campaign).expect("what moves goes on moving");
         let mut experiment = experiment.moving_as(&self.experiment);

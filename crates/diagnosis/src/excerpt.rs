@@ -75,7 +75,8 @@ impl Excerpt {
         law: &Fitted,
         extended: &Fitted,
     ) -> Unseen {
-        let samples = Samples::new(campaign);
+        let mut samples = Samples::new(campaign);
+        samples.least_speed_m_s = law.model.least_speed_m_s();
         let mut other = vec![true; campaign.runs.len()];
         self.kept.iter().for_each(|&k| other[k] = false);
         let others: Vec<usize> = (0..other.len()).filter(|&k| other[k]).collect();

@@ -24,7 +24,8 @@ pub(crate) fn rmse(bench: &Bench<'_>, prediction: &[f64], runs: Option<&[usize]>
     (sum / count.max(1.0)).sqrt()
 }
 
-/// Sum of squared errors and number of samples; samples without contact do not count.
+/// Sum of squared errors and number of samples. Samples without contact do not count, nor those at a standstill that the law does not know: a static
+/// law's smoothed sign says there how wide it is, and a handful of them would be all that is left.
 pub(crate) fn squares(bench: &Bench<'_>, prediction: &[f64], runs: Option<&[usize]>) -> (f64, f64) {
     let samples = &bench.samples;
     match runs {
@@ -52,7 +53,8 @@ fn squares_in(
     let (mut sum, mut count) = (0.0, 0.0);
     for i in rows {
         let load = samples.load[i];
-        if samples.loaded && !(load > 0.0) {
+        let still = samples.velocity[i].abs() < samples.least_speed_m_s;
+        if still || samples.loaded && !(load > 0.0) {
             continue;
         }
         // A row counts as often as it stands for samples.
@@ -149,5 +151,43 @@ pub(crate) fn noise_floor(
         roughness_plate_smoothing: sizes.plate_smoothing,
         scatter: sizes.scatter,
         caveats,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use friction::LawKind;
+
+    use super::*;
+    use crate::{Options, prepare};
+
+    /// What a static law's smoothed sign misses at a standstill is no error of the law; what a law with a state misses there is.
+    #[test]
+    fn a_standstill_that_the_law_does_not_know_is_no_error() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/campaigns");
+        let campaign = campaign::open(&folder.join("brush-2x2-aluminium")).expect("a campaign");
+        let error = |law: LawKind| {
+            let options = Options {
+                law: Some(law),
+                ..Options::default()
+            };
+            let bench = prepare::bench(&campaign, &options).expect("a bench");
+            let stribeck = Options {
+                law: Some(LawKind::Stribeck),
+                ..Options::default()
+            };
+            let least = prepare::bench(&campaign, &stribeck).expect("a bench");
+            let least = least.samples.least_speed_m_s;
+            let samples = &bench.samples;
+            let still = |i: usize| samples.velocity[i].abs() < least;
+            assert!((0..samples.len()).any(still));
+            let off = |i: usize| samples.force[i] + f64::from(u8::from(still(i)));
+            let prediction: Vec<f64> = (0..samples.len()).map(off).collect();
+            rmse(&bench, &prediction, None)
+        };
+        assert_eq!(error(LawKind::Stribeck), 0.0);
+        assert!(error(LawKind::Lugre) > 0.0);
     }
 }

@@ -68,6 +68,7 @@ pub(crate) fn bench<'a>(
     let numbers = inspect(campaign, 0.0);
     let masked = masked(campaign, &numbers.rails, least_speed);
     let mut samples = Samples::new(campaign);
+    samples.least_speed_m_s = least_speed;
     if let Some(file) = &options.model {
         take_extension_off(file, law, &mut experiment, &mut samples)?;
     }

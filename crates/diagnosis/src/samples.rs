@@ -45,6 +45,8 @@ pub(crate) struct Samples {
     pub(crate) temperature: Option<Vec<f64>>,
     /// Whether every run has a load (then results are coefficients).
     pub(crate) loaded: bool,
+    /// Speed below which the law does not say how large friction is, m/s: zero where it always does.
+    pub(crate) least_speed_m_s: f64,
     /// What each row is the mean of, where rows stand for several samples; else empty.
     pub(crate) averaged: Vec<Averaged>,
 }
@@ -97,6 +99,7 @@ impl Samples {
                 .all(|r| r.temperature_c.is_some())
                 .then(Vec::new),
             loaded,
+            least_speed_m_s: 0.0,
             averaged: Vec::new(),
         };
         let starts: Option<Vec<f64>> = campaign.runs.iter().map(|run| run.started_s).collect();
@@ -195,6 +198,7 @@ impl Samples {
             force: pick(&self.force),
             temperature: self.temperature.as_deref().map(pick),
             loaded: self.loaded,
+            least_speed_m_s: self.least_speed_m_s,
             averaged: self.averaged_at(rows),
         }
     }
