@@ -7,7 +7,8 @@
 //! ```
 //!
 //! with W, Q, V, y and c~ as in (D1). Numerators of all stretches are differences of one sum; lengths |c| are not. So each run's stretches are ranked by their numerators beside
-//! others of as many samples in the same run, and the first few are scored in full. What noise does that is not as it is reckoned, it does in every run: the
+//! others of as many samples in the same run, and the first few are scored in full. What counts of the strongest one is what is left of it whichever of
+//! its samples is given up. What noise does that is not as it is reckoned, it does in every run: the
 //! largest of a run is held against the others' largest.
 
 use std::ops::Range;
@@ -26,6 +27,8 @@ use crate::tail::log_chi2_tail;
 const SHORTEST: usize = 4;
 /// With fewer runs there are no others to hold one against.
 const FEWEST_RUNS: usize = 5;
+/// Samples of the longest stretch that one of them alone may be taken for.
+const MOST_BY_ONE: usize = 40;
 /// Stretches of a run that are scored in full.
 const TAKEN: usize = 6;
 /// How many times the median of the runs' largest one must be to be no part of them.
@@ -58,12 +61,46 @@ pub(crate) fn shifts(
     }
     standing_out(&largest, asked).map_or_else(Lack::nothing, |found| {
         let price = (asked.max(1) as f64).ln();
+        let white = stand.whiten_own(&stretch_and_samples(&found.stretch, friction));
+        let chi2 = found.z * found.z * share_without_one(ground, &white);
         Lack {
-            log_p: (log_chi2_tail(found.z * found.z, 1) + price).min(0.0),
+            log_p: (log_chi2_tail(chi2, 1) + price).min(0.0),
             place: Some(place(&largest, &found, samples, names)),
-            excess: (found.z * found.z - 2.0 * price).max(0.0),
+            excess: (chi2 - 2.0 * price).max(0.0),
         }
     })
+}
+
+/// The friction of a stretch as a column, and one beside it for each of its samples; for none where one of so many is next to nothing.
+fn stretch_and_samples(stretch: &Range<usize>, friction: &[f64]) -> DMatrix<f64> {
+    let beside = match stretch.len() <= MOST_BY_ONE {
+        true => stretch.len(),
+        false => 0,
+    };
+    let mut columns = DMatrix::zeros(friction.len(), 1 + beside);
+    for i in stretch.clone() {
+        columns[(i, 0)] = friction[i];
+    }
+    for (k, i) in stretch.clone().take(beside).enumerate() {
+        columns[(i, 1 + k)] = 1.0;
+    }
+    columns
+}
+
+/// Share of what a stretch explains (the first whitened column) that is left whichever single sample (one of the others) is given up: a shift of
+/// level is in all of its samples, a blow of heavy tails in one.
+fn share_without_one(ground: &Ground, white: &DMatrix<f64>) -> f64 {
+    let explained = |columns: &DMatrix<f64>| {
+        let direction = ground.direction(columns);
+        direction.map_or(0.0, |direction| ground.explained(&direction))
+    };
+    let whole = explained(&white.columns(0, 1).into_owned());
+    let without = (1..white.ncols()).map(|k| {
+        let both = explained(&white.select_columns(&[0, k]));
+        both - explained(&white.columns(k, 1).into_owned())
+    });
+    let least = without.fold(whole, f64::min);
+    (least / whole.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
 }
 
 /// A stretch with its deviate.
@@ -192,6 +229,26 @@ mod tests {
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
+
+    /// Four samples that are raised alike keep three quarters of what they explain, whichever is given up; one that is far off keeps nothing.
+    #[test]
+    fn one_sample_is_no_shift() {
+        const SAMPLES: usize = 100;
+        let at_start = DMatrix::from_fn(SAMPLES, 1, |i, _| f64::from(u8::from(i == 0)));
+        let gains = DMatrix::from_fn(SAMPLES, 2, |i, k| f64::from(u8::from(i / 50 == k)));
+        let stretch = 58..62;
+        let columns = stretch_and_samples(&stretch, &[1.0; SAMPLES]);
+        assert_eq!(columns.ncols(), 5);
+        let share = |residual: &dyn Fn(usize) -> f64| {
+            let y = nalgebra::DVector::from_fn(SAMPLES, |i, _| residual(i));
+            share_without_one(&Ground::new(&at_start, &gains, &y, &[0, 1]), &columns)
+        };
+        let raised = share(&|i| if stretch.contains(&i) { 6.5 } else { 0.0 });
+        assert!((raised - 0.75).abs() < 0.1, "{raised}");
+        let blow = share(&|i| if i == 60 { 13.0 } else { 0.0 });
+        assert!(blow < 0.05, "{blow}");
+        assert_eq!(stretch_and_samples(&(0..41), &[1.0; SAMPLES]).ncols(), 1);
+    }
 
     /// A stretch raised by one standard deviation of a sample, 80 samples long, comes first of its run, and what nearly coincides with it is left out.
     #[test]
