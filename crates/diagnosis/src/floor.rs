@@ -156,38 +156,30 @@ pub(crate) fn noise_floor(
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use friction::LawKind;
 
     use super::*;
-    use crate::{Options, prepare};
+    use crate::Options;
+    use crate::prepare::{self, stand_in};
 
     /// What a static law's smoothed sign misses at a standstill is no error of the law; what a law with a state misses there is.
     #[test]
     fn a_standstill_that_the_law_does_not_know_is_no_error() {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/campaigns");
-        let campaign = campaign::open(&folder.join("brush-2x2-aluminium")).expect("a campaign");
-        let error = |law: LawKind| {
+        let campaign = stand_in("brush-2x2-aluminium");
+        let bench_of = |law: LawKind| {
             let options = Options {
                 law: Some(law),
                 ..Options::default()
             };
-            let bench = prepare::bench(&campaign, &options).expect("a bench");
-            let stribeck = Options {
-                law: Some(LawKind::Stribeck),
-                ..Options::default()
-            };
-            let least = prepare::bench(&campaign, &stribeck).expect("a bench");
-            let least = least.samples.least_speed_m_s;
-            let samples = &bench.samples;
-            let still = |i: usize| samples.velocity[i].abs() < least;
-            assert!((0..samples.len()).any(still));
-            let off = |i: usize| samples.force[i] + f64::from(u8::from(still(i)));
-            let prediction: Vec<f64> = (0..samples.len()).map(off).collect();
-            rmse(&bench, &prediction, None)
+            prepare::bench(&campaign, &options).expect("a bench")
         };
-        assert_eq!(error(LawKind::Stribeck), 0.0);
-        assert!(error(LawKind::Lugre) > 0.0);
+        let [of_a_sign, of_a_state] = [LawKind::Stribeck, LawKind::Lugre].map(bench_of);
+        let samples = &of_a_sign.samples;
+        let still = |i: usize| samples.velocity[i].abs() < samples.least_speed_m_s;
+        assert!((0..samples.len()).any(still));
+        let off = |i: usize| samples.force[i] + f64::from(u8::from(still(i)));
+        let prediction: Vec<f64> = (0..samples.len()).map(off).collect();
+        assert_eq!(rmse(&of_a_sign, &prediction, None), 0.0);
+        assert!(rmse(&of_a_state, &prediction, None) > 0.0);
     }
 }

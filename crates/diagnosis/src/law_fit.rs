@@ -176,15 +176,13 @@ impl Bench<'_> {
 mod tests {
     use super::*;
     use crate::Options;
-    use crate::prepare;
-    use std::path::Path;
+    use crate::prepare::{self, stand_in};
 
     /// Nearly all starts have next to no friction, and noise that multiplies the record forgives that for little more than the gain of each
     /// run. The one start that has some, though it grows with the speed where the record's is level, is fitted all the same.
     #[test]
     fn no_friction_is_no_fit() {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/campaigns");
-        let campaign = campaign::open(&folder.join("brush-2x2-aluminium")).expect("a campaign");
+        let campaign = stand_in("brush-2x2-aluminium");
         let bench = prepare::bench(&campaign, &Options::default()).expect("a bench");
         let (subset, sizes) = (Subset::all(&bench), bench.first_sizes());
         let model = bench.model(&[]).expect("a model");

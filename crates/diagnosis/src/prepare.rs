@@ -90,6 +90,13 @@ pub(crate) fn bench<'a>(
     })
 }
 
+/// One of the stand-ins that the repository ships.
+#[cfg(test)]
+pub(crate) fn stand_in(name: &str) -> Campaign {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/campaigns");
+    campaign::open(&folder.join(name)).expect("a campaign")
+}
+
 /// Samples that say nothing about the law: those that a clipped channel hides or picks out (the flat top is a finding of its own),
 /// those at a standstill that a static law does not know, and both ends of a run, where no record tells from what its filters
 /// started and how long its stage took to change its acceleration.

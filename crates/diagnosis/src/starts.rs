@@ -53,7 +53,7 @@ pub(crate) fn ranked(
     ranked
 }
 
-/// Every so many-th run is looked at, before all are.
+/// Every so many-th run is looked at, before all are. Each a multiple of the next, so that a view holds those before it.
 const LOOKS: [usize; 2] = [6, 3];
 /// Share of a bound that counts: some runs have a grid of the plate of their own.
 const SURE: f64 = 0.9;
@@ -89,28 +89,28 @@ impl<'a> Record<'a> {
     /// These runs under the noise of a healthy rig.
     pub(crate) fn of_a_healthy_rig(bench: &'a Bench<'a>, subset: &Subset) -> Self {
         let scale = bench.crude_scale();
-        let mut shown: Vec<usize> = Vec::new();
-        let mut view = |subset: Subset| {
+        let view = |subset: Subset, before: &[View]| {
+            let shown = before.last().map(|view| &view.subset.runs);
             let mut new = subset.runs.clone();
-            new.retain(|run| !shown.contains(run));
-            shown.extend(&new);
+            new.retain(|run| !shown.is_some_and(|shown| shown.contains(run)));
             View {
                 whitener: bench.healthy_noise(&subset.context(bench, &scale)),
                 subset,
                 new,
             }
         };
-        let some = LOOKS.map(|step| {
-            let runs = subset.runs.iter().copied().step_by(step);
-            subset.only(bench, runs.collect())
-        });
-        let mut before: Vec<View> = some.into_iter().map(&mut view).collect();
-        let whole = view(subset.clone());
-        before.retain(|view| !view.new.is_empty() && view.subset.len() < whole.subset.len());
+        let mut before: Vec<View> = Vec::new();
+        for step in LOOKS {
+            let runs: Vec<usize> = subset.runs.iter().copied().step_by(step).collect();
+            let shown = before.last().map_or(0, |view| view.subset.runs.len());
+            if (shown + 1..subset.runs.len()).contains(&runs.len()) {
+                before.push(view(subset.only(bench, runs), &before));
+            }
+        }
         Self {
             bench,
+            whole: view(subset.clone(), &before),
             before,
-            whole,
         }
     }
 
@@ -187,16 +187,14 @@ impl<'a> Record<'a> {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::*;
-    use crate::{Options, prepare};
+    use crate::Options;
+    use crate::prepare::{self, stand_in};
 
     /// Some of the runs cost at most what all do, and the nearest start is the one that all runs of all starts tell, however near is near enough.
     #[test]
     fn starts_that_are_left_early_are_not_the_nearest() {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/campaigns");
-        let campaign = campaign::open(&folder.join("brush-2x2-aluminium")).expect("a campaign");
+        let campaign = stand_in("brush-2x2-aluminium");
         let bench = prepare::bench(&campaign, &Options::default()).expect("a bench");
         let subset = Subset::all(&bench);
         let model = bench.model(&[]).expect("a model");
@@ -227,6 +225,25 @@ mod tests {
         ] {
             let own = record.nearest(&model, starts.clone(), Paths::NONE, enough);
             assert_eq!(own.as_ref(), found, "{enough}");
+        }
+    }
+
+    /// However few the runs, each is in just one view, and a start is found.
+    #[test]
+    fn few_runs_are_all_looked_at() {
+        let campaign = stand_in("brush-2x2-aluminium");
+        let bench = prepare::bench(&campaign, &Options::default()).expect("a bench");
+        let model = bench.model(&[]).expect("a model");
+        let starts = bench.law_starts(&model);
+        for runs in 1..=campaign.runs.len() {
+            let subset = Subset::new(&bench, (0..runs).collect());
+            let record = Record::of_a_healthy_rig(&bench, &subset);
+            let views = record.before.iter().chain([&record.whole]);
+            let mut seen: Vec<usize> = views.flat_map(|view| view.new.iter().copied()).collect();
+            seen.sort_unstable();
+            assert_eq!(seen, subset.runs);
+            let found = record.nearest(&model, starts.clone(), Paths::NONE, f64::INFINITY);
+            assert!(found.is_some(), "{runs} runs");
         }
     }
 }
