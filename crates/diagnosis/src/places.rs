@@ -3,6 +3,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::ground::{Direction, Ground};
 use crate::samples::Samples;
@@ -35,26 +36,43 @@ pub(crate) enum Course {
     Bell { at: f64, deviation: f64 },
     /// It is raised beyond a place.
     Beyond { at: f64 },
+    /// It rises beyond a place as the normal distribution does.
+    Rise { at: f64, deviation: f64 },
 }
 
 /// Places to each side among which a course is sought, and shares of an extent that lie between them, round by round.
 const STEPS: i32 = 2;
 const STEP_SHARES: [f64; 3] = [0.25, 0.1, 0.04];
+/// Powers of two between the widths of rises, round by round: what steps gradually may do so over any width.
+const WIDTH_POWERS: [f64; 3] = [1.0, 0.4, 0.16];
+/// The widest rise, as a share of the way that the runs pass: one over all of it is a gradient, and beside roughness that is smooth over as
+/// much of it one over a tenth explains as much as a gradient does.
+const WIDEST_RISE: f64 = 0.04;
 /// Share of what a mark explains from which on another one beside it belongs to it.
 const EDGE: f64 = 0.1;
 /// Width of a bell at half its height, in its deviations: sqrt(8 ln 2).
 const HALF_HEIGHT: f64 = 2.354_82;
 
 impl Course {
-    /// Courses near an extent of the plate, finer from round to round.
-    fn near(extent: (f64, f64), round: usize) -> Vec<Self> {
+    /// Courses near an extent of the plate, finer from round to round. `way`: how much of it the runs pass, m.
+    fn near(extent: (f64, f64), way: f64, round: usize) -> Vec<Self> {
         let (middle, width) = (0.5 * (extent.0 + extent.1), extent.1 - extent.0);
         let step = STEP_SHARES[round] * width;
-        let moves = || (-STEPS..=STEPS).map(f64::from).map(move |k| k * step);
+        let steps = || (-STEPS..=STEPS).map(f64::from);
+        let moves = || steps().map(move |k| k * step);
         let mut out = Vec::new();
         for one in moves() {
             let beyond = |at: f64| Self::Beyond { at };
             out.extend([middle, extent.0, extent.1].map(|at| beyond(at + one)));
+            let widths = steps().map(|k| width * (k * WIDTH_POWERS[round]).exp2());
+            out.extend(
+                widths
+                    .filter(|wide| *wide <= WIDEST_RISE * way)
+                    .map(|wide| Self::Rise {
+                        at: middle + one,
+                        deviation: wide / HALF_HEIGHT,
+                    }),
+            );
             for other in moves() {
                 out.push(Self::Even {
                     from: extent.0 + one,
@@ -73,7 +91,7 @@ impl Course {
     fn extent(self, width: f64) -> (f64, f64) {
         match self {
             Self::Even { from, to } => (from, to),
-            Self::Bell { at, deviation } => {
+            Self::Bell { at, deviation } | Self::Rise { at, deviation } => {
                 let half = 0.5 * HALF_HEIGHT * deviation;
                 (at - half, at + half)
             }
@@ -87,6 +105,7 @@ impl Course {
             Self::Even { from, to } => f64::from(u8::from(place > from && place <= to)),
             Self::Bell { at, deviation } => (-0.5 * ((place - at) / deviation).powi(2)).exp(),
             Self::Beyond { at } => f64::from(u8::from(place > at)),
+            Self::Rise { at, deviation } => Normal::standard().cdf((place - at) / deviation),
         }
     }
 
@@ -130,8 +149,9 @@ pub(crate) fn closely(
     mut extent: (f64, f64),
 ) -> Option<Near> {
     let (mut best, mut tried) = (None, 0);
+    let (lo, hi) = samples.extent();
     for round in 0..STEP_SHARES.len() {
-        let courses = Course::near(extent, round);
+        let courses = Course::near(extent, hi - lo, round);
         tried += courses.len();
         let white = stand.whiten_own(&Course::columns(&courses, &samples.place, friction));
         let free = ground.project(&white);
@@ -195,10 +215,7 @@ pub(crate) struct Cells {
 impl Cells {
     /// For roughness of this length; `None` where the runs pass no two places.
     pub(crate) fn new(length: f64, samples: &Samples) -> Option<Self> {
-        let places = samples.place.iter();
-        let (lo, hi) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| {
-            (a.min(x), b.max(x))
-        });
+        let (lo, hi) = samples.extent();
         let width = (0.5 * WIDTHS[0] * length).max((hi - lo) / MOST as f64);
         let count = ((hi - lo) / width) as usize;
         // Whole cells; where the plate is long against the roughness, widths fall together.
@@ -379,6 +396,31 @@ mod tests {
             }
             _ => false,
         };
-        assert!(Course::near((from, to), 0).iter().any(fills));
+        assert!(Course::near((from, to), 1.0, 0).iter().any(fills));
+    }
+
+    /// A rise is half as high in its middle and over its extent rises by erf(sqrt(ln 2)) = 0.761 of itself; none that is tried is wider
+    /// than a small share of the way: one that is looks like a gradient where the plate is rough over as much.
+    #[test]
+    fn rises_are_steps_and_no_gradients() {
+        let rise = Course::Rise {
+            at: 0.2,
+            deviation: 0.004,
+        };
+        let (from, to) = rise.extent(0.0);
+        assert!((rise.raised(0.2) - 0.5).abs() < 1e-12);
+        assert!((rise.raised(to) - rise.raised(from) - 0.761).abs() < 1e-3);
+        let widths = |way: f64| -> Vec<f64> {
+            let near = Course::near((from, to), way, 0).into_iter();
+            let rises = near.filter(|course| matches!(course, Course::Rise { .. }));
+            let extents = rises.map(|course| course.extent(0.0));
+            extents.map(|(from, to)| to - from).collect()
+        };
+        let all = widths(1.0);
+        assert_eq!(all.len(), 25);
+        let four = |wide: &f64| (wide / (to - from) - 4.0).abs() < 1e-9;
+        assert!(all.iter().any(four));
+        let few = widths(0.3);
+        assert!(!few.is_empty() && few.iter().all(|wide| *wide <= WIDEST_RISE * 0.3));
     }
 }
