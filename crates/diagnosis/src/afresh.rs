@@ -7,14 +7,13 @@
 
 use std::cmp::Ordering;
 
-use fitting::noise::Sizes;
 use rayon::prelude::*;
 
 use crate::bench::{Bench, Beside, Fitted};
 use crate::joint::{is_dear, search_price};
 use crate::scan::{Scan, extended};
 use crate::selection::Warm;
-use crate::settled::settle;
+use crate::settled::{settle, settle_in_kind};
 use crate::stand::Stand;
 use crate::starts::{Record, with_laws};
 use crate::subset::Subset;
@@ -47,6 +46,8 @@ const FITTED_ON: fn(usize) -> usize = |asked| (3 * asked / 8).max(4);
 /// to stay in the race.
 const FORM_STEPS: u64 = 60;
 const IN_THE_RACE: f64 = 2.5;
+/// -2 log likelihood by which a rival under noise of the best's kind is too far behind to be asked for another kind.
+const FAR_BEHIND: f64 = 100.0;
 /// Causes whose fits are carried to their end and compared under their own noise.
 const FINISHED: usize = 4;
 /// The same inside a fold, where the fits start from the whole campaign's.
@@ -107,21 +108,7 @@ pub(crate) fn afresh(
     } else {
         FINISHED
     });
-    let finish = |(cause, fit): &(usize, Fitted), sizes: Option<Sizes>| {
-        let limit = if is_dear(bench, *cause) { 20 } else { 60 };
-        let fit = search.fit(*cause, &fit.parameters, limit)?;
-        Some((
-            *cause,
-            settle(bench, subset, &fit, &found.with_sizes(sizes))?,
-        ))
-    };
-    // The whole campaign's noise is near a fold's; without one the law alone's says nothing. That of the best is near its rivals'.
-    let known = warm.map(|w| w.sizes);
-    let best = rough.first().and_then(|first| finish(first, known));
-    let near = known.or(best.as_ref().map(|(_, stand)| stand.sizes));
-    let others = rough.par_iter().skip(1);
-    let others: Vec<(usize, Stand)> = others.filter_map(|fit| finish(fit, near)).collect();
-    let stands: Vec<(usize, Stand)> = best.into_iter().chain(others).collect();
+    let stands = search.finished(&rough, found, warm);
     let ranked = by_likelihood(bench, subset, stands);
     let stands = if warm.is_none() && stand.fitted.effects.is_empty() {
         in_deepest_valleys(bench, subset, ranked)
@@ -397,6 +384,44 @@ impl Search<'_> {
             None,
             steps,
         )
+    }
+
+    /// Rough fits carried to their end, each under the noise that its own residual shows.
+    ///
+    /// The whole campaign's noise is near a fold's; without one the law alone's says nothing. That of the best is near its rivals', and of its
+    /// kind: one that is far behind the best there is not asked whether noise of another kind would swallow what it leaves.
+    fn finished(
+        &self,
+        rough: &[(usize, Fitted)],
+        found: &Scan,
+        warm: Option<&Warm>,
+    ) -> Vec<(usize, Stand)> {
+        let (bench, subset) = (self.bench, self.subset);
+        let to_its_end = |cause: usize, fit: &Fitted| {
+            let limit = if is_dear(bench, cause) { 20 } else { 60 };
+            self.fit(cause, &fit.parameters, limit)
+        };
+        let settled = |fit: &Fitted, sizes| settle(bench, subset, fit, &found.with_sizes(sizes));
+        let worth = |cause: usize, stand: &Stand| stand.deviance + search_price(bench, cause);
+        let known = warm.map(|w| w.sizes);
+        let best = rough.first().and_then(|(cause, fit)| {
+            let fit = to_its_end(*cause, fit)?;
+            Some((*cause, settled(&fit, known)?))
+        });
+        let rivals = rough.par_iter().skip(1).filter_map(|(cause, fit)| {
+            let fit = to_its_end(*cause, fit)?;
+            let Some((first, best)) = &best else {
+                return Some((*cause, settled(&fit, known)?));
+            };
+            let stand = settle_in_kind(bench, subset, &fit, found, best.sizes)?;
+            let behind = worth(*cause, &stand) - worth(*first, best);
+            if behind > FAR_BEHIND {
+                return Some((*cause, stand));
+            }
+            Some((*cause, settled(&stand.fitted, Some(stand.sizes))?))
+        });
+        let rivals: Vec<(usize, Stand)> = rivals.collect();
+        best.into_iter().chain(rivals).collect()
     }
 
     /// The first fit carried on, and fits from the other starts: the best of them.

@@ -100,3 +100,16 @@ pub(crate) fn settle(
     let noise = bench.noise(subset, fit, &jacobian, &found.smooth, search);
     refit(bench, subset, fit, &noise.sizes)
 }
+
+/// The same with noise of just the kind of these sizes.
+pub(crate) fn settle_in_kind(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    fit: &Fitted,
+    found: &Scan,
+    sizes: Sizes,
+) -> Option<Stand> {
+    let (jacobian, _) = bench.jacobian(subset, fit);
+    let sizes = bench.noise_of_their_kind(subset, fit, &jacobian, &found.smooth, sizes);
+    refit(bench, subset, fit, &sizes)
+}
