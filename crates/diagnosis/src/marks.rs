@@ -10,6 +10,7 @@
 //! together, are weighed again with the noise estimated beside them, by what their likelihood gains, each model under its own noise.
 
 use fitting::noise::Sizes;
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -106,9 +107,12 @@ pub(crate) fn find(
     if is_suspect(best, stand.sizes)
         && let Some((first, both)) = search.sharply(bench, subset, stand)
     {
-        let weighed = |near: &Near| search.beside_their_own_noise(bench, subset, stand, near);
-        let (one, two) = rayon::join(|| weighed(&first), || both.as_ref().map(weighed));
-        single.extend(one);
+        let weighed = |kind| {
+            search.beside_noise_of_a_kind(bench, subset, (stand, kind), (&first, both.as_ref()))
+        };
+        let kinds = kinds_of_noise(stand.sizes).into_par_iter();
+        let (one, two): (Vec<_>, Vec<_>) = kinds.map(weighed).unzip();
+        single.extend(one.into_iter().flatten());
         double.extend(two.into_iter().flatten());
     }
     let saved = |mark: &Mark| mark.saved();
@@ -119,6 +123,21 @@ pub(crate) fn find(
         strongest: all.max_by(|a, b| a.explained.total_cmp(&b.explained))?,
         likeliest,
     })
+}
+
+/// Kinds of noise beside which marks are weighed, with the sizes to begin from: of one length (a length of its own for the plate's roughness takes
+/// up a step), and the kind that these sizes have.
+fn kinds_of_noise(sizes: Sizes) -> Vec<Sizes> {
+    let one_length = Sizes {
+        plate_ratio: 1.0,
+        plate_smoothing: 0.0,
+        ..sizes
+    };
+    let mut kinds = vec![one_length];
+    if sizes != one_length {
+        kinds.push(sizes);
+    }
+    kinds
 }
 
 /// Whether the strongest mark is worth a noise of its own: it is seen, or the plate is so rough that it may hide it.
@@ -171,41 +190,44 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Marks once more with the noise estimated beside them: of the kind that it has, and of one length (a length of its own for the plate's
-    /// roughness takes up a step).
-    fn beside_their_own_noise(
-        &self,
-        bench: &Bench<'_>,
-        subset: &Subset,
-        stand: &Stand,
-        near: &Near,
-    ) -> Vec<Mark> {
-        let one_length = Sizes {
-            plate_ratio: 1.0,
-            plate_smoothing: 0.0,
-            ..stand.sizes
-        };
-        let mut kinds = vec![one_length];
-        if stand.sizes != one_length {
-            kinds.push(stand.sizes);
-        }
-        let weighed = |kind| self.beside_noise_of_a_kind(bench, subset, (stand, kind), near);
-        kinds.into_par_iter().filter_map(weighed).collect()
-    }
-
-    /// The same with the noise of one kind.
+    /// A mark, and two of them, weighed once more with the noise of one kind estimated beside them; that beside one is near that beside two.
     fn beside_noise_of_a_kind(
         &self,
         bench: &Bench<'_>,
         subset: &Subset,
         (stand, kind): (&Stand, Sizes),
-        near: &Near,
+        (one, two): (&Near, Option<&Near>),
+    ) -> (Option<Mark>, Option<Mark>) {
+        let places = subset.all_places(bench);
+        let friction = stand.fitted.friction(bench);
+        let beside = |near: &Near, begun: Sizes| {
+            let columns = Course::columns(&near.courses, &places, friction);
+            let (fitted, jacobian) = (&stand.fitted, &stand.jacobian);
+            let sizes = bench.noise_of_their_kind(subset, fitted, jacobian, &columns, begun);
+            (sizes, columns)
+        };
+        let (sizes, columns) = beside(one, kind);
+        let weigh =
+            |near, sizes, columns| self.weighed(bench, subset, (stand, sizes), (near, columns));
+        rayon::join(
+            || weigh(one, sizes, columns),
+            || {
+                let two = two?;
+                let (sizes, columns) = beside(two, sizes);
+                weigh(two, sizes, columns)
+            },
+        )
+    }
+
+    /// Marks weighed under the noise of these sizes.
+    fn weighed(
+        &self,
+        bench: &Bench<'_>,
+        subset: &Subset,
+        (stand, sizes): (&Stand, Sizes),
+        (near, columns): (&Near, DMatrix<f64>),
     ) -> Option<Mark> {
-        let (fitted, jacobian) = (&stand.fitted, &stand.jacobian);
-        let (places, friction) = (subset.all_places(bench), fitted.friction(bench));
-        let columns = Course::columns(&near.courses, &places, friction);
-        let sizes = bench.noise_of_their_kind(subset, fitted, jacobian, &columns, kind);
-        let own = Stand::new(bench, subset, fitted.clone(), sizes);
+        let own = Stand::new(bench, subset, stand.fitted.clone(), sizes);
         let white = own.whiten(subset, &columns);
         let direction = own.ground.direction(&white)?;
         // Either noise is offered to the model without the mark too: one grid of the plate's nodes may suit all models better than another.

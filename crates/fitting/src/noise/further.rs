@@ -25,6 +25,8 @@ const ALIKE: f64 = 0.6;
 const APART: f64 = 0.1;
 /// -2 log likelihood that the search from there must save. Of eight smooth fields one seems to be of two lengths by 8.
 const WORTH_APART: f64 = 12.0;
+/// -2 log likelihood beyond which the sizes without a further number, searched for on its grid, would not take back what it saves.
+const SURE: f64 = 50.0;
 /// -2 log likelihood that smoothing must save, or the roughness is taken as exponential.
 const WORTH_SMOOTHING: f64 = 2.0;
 /// The same where the plate has a smoothing of its own.
@@ -52,11 +54,20 @@ const WORTH_WANDER: f64 = 10.0;
 /// Places of the plate at which a step is looked for.
 const PLACES: usize = 60;
 
-/// Roughness with a further number, and what it saves of -2 log likelihood beside an exponential one of one length.
+/// Noise with a further number.
 pub(super) struct Further {
     pub(super) frame: Frame,
     pub(super) minimum: Minimum,
-    pub(super) saved: f64,
+}
+
+/// A further number where it is likeliest of all points at which it is tried.
+struct Promising {
+    more: More,
+    /// With the number.
+    frame: Frame,
+    /// What -2 log likelihood is there beyond that without it.
+    beyond: f64,
+    point: Vec<f64>,
 }
 
 impl Frame {
@@ -101,15 +112,17 @@ impl Frame {
         let near = starts.map(|start| frame.on_grid(&levelled, &start, spacing, NEAR));
         *evaluations += near.iter().map(|found| found.evaluations).sum::<usize>();
         let near = (near.into_iter()).min_by(|a, b| a.value.total_cmp(&b.value))?;
+        let worth = |without: f64| without - near.value >= WORTH_WANDER;
         // Sizes that are likeliest without a wander can only save less.
-        if without - near.value < WORTH_WANDER {
+        if !worth(without) {
             return None;
         }
-        let as_still = self.on_grid(&levelled, &still.point, spacing, NEAR);
-        *evaluations += as_still.evaluations;
-        let saved = as_still.value - near.value;
-        if saved < WORTH_WANDER {
-            return None;
+        if without - near.value < SURE {
+            let as_still = self.on_grid(&levelled, &still.point, spacing, NEAR);
+            *evaluations += as_still.evaluations;
+            if !worth(as_still.value) {
+                return None;
+            }
         }
         let minimum = if search == Search::Near {
             near
@@ -117,11 +130,7 @@ impl Frame {
             let again = Search::Again(frame.sizes(&near.point));
             frame.search(criterion, near.point, again, evaluations)
         };
-        Some(Further {
-            frame,
-            minimum,
-            saved,
-        })
+        Some(Further { frame, minimum })
     }
 
     /// What -2 log likelihood is at each of these points beyond that of `plain`, the minimum of a frame without a further number, both on the
@@ -163,7 +172,8 @@ impl Frame {
             .min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// The further number that saves most beside `found`, if any is worth it.
+    /// A further number that is worth it beside `found`: that which promises most on coarse grids and keeps it. The others are asked beside it
+    /// once it is taken.
     pub(super) fn further(
         &self,
         criterion: &Criterion<'_>,
@@ -172,44 +182,103 @@ impl Frame {
         evaluations: &mut usize,
     ) -> Option<Further> {
         let thorough = search.is_thorough();
-        let plate = self.has_plate();
-        let mut worth: Vec<Further> = Vec::new();
-        if !self.has(More::Smoothing) {
-            worth.extend(self.smoother(criterion, found, thorough, evaluations));
-        }
-        if plate && !self.has(More::PlateSmoothing) {
-            worth.extend(self.smoother_plate(criterion, found, thorough, evaluations));
-        }
-        if plate && !self.has(More::PlateRatio) {
-            worth.extend(self.two_lengths(criterion, found, thorough, evaluations));
-        }
-        let saved = |of: &Further| of.saved;
-        (worth.into_iter()).max_by(|a, b| saved(a).total_cmp(&saved(b)))
+        let kinds = [More::Smoothing, More::PlateSmoothing, More::PlateRatio].into_iter();
+        let asked =
+            kinds.filter(|&more| !self.has(more) && (self.has_plate() || more == More::Smoothing));
+        let mut promising: Vec<Promising> = asked
+            .filter_map(|more| self.promising(criterion, found, (more, thorough), evaluations))
+            .collect();
+        promising.sort_by(|a, b| a.beyond.total_cmp(&b.beyond));
+        (promising.into_iter()).find_map(|promising| match promising.more {
+            More::Smoothing => self.smoother(criterion, found, promising, thorough, evaluations),
+            More::PlateSmoothing => self.smoother_plate(criterion, found, &promising, evaluations),
+            More::PlateRatio => self.two_lengths(criterion, found, &promising, evaluations),
+        })
     }
 
-    /// Roughness that is smoother than exponential, where that is likelier than `plain`. Unless the search is thorough a smoothing
+    /// Where a further number is likeliest beside `found`, unless it need not be searched for there. If the search is not thorough a smoothing
     /// counts only if it is seen at once.
+    fn promising(
+        &self,
+        criterion: &Criterion<'_>,
+        found: &Minimum,
+        (more, thorough): (More, bool),
+        evaluations: &mut usize,
+    ) -> Option<Promising> {
+        let frame = self.clone().with(more);
+        let points = frame.probes(self, found, more);
+        let (beyond, point) = frame.likeliest(criterion, (self, found), points, evaluations)?;
+        // Beside smoothing, which does much of what a second length would, a search is begun again for what is seen at once only.
+        let smooth = self.has(More::Smoothing) || self.has(More::PlateSmoothing);
+        let enough = match more {
+            More::PlateRatio if smooth && !thorough => 0.0,
+            More::PlateRatio => WORTH_SECOND_LENGTH,
+            _ if thorough => f64::INFINITY,
+            _ => 0.0,
+        };
+        (beyond < enough).then_some(Promising {
+            more,
+            frame,
+            beyond,
+            point,
+        })
+    }
+
+    /// Points at which a further number is tried beside `plain`, the minimum of a frame without it, each with the spacing of a grid.
+    fn probes(&self, without: &Self, plain: &Minimum, more: More) -> Vec<(f64, Vec<f64>)> {
+        let of = |change: &dyn Fn(&mut Vec<f64>)| {
+            let mut point = plain.point.clone();
+            change(&mut point);
+            (self.coarse(&point), point)
+        };
+        match more {
+            // Roughness is alike over l (1 + rho).
+            More::Smoothing => (PROBES.iter())
+                .map(|&(smoothing, share)| {
+                    of(&|point| {
+                        point[LENGTH] += (share / (1.0 + smoothing)).ln();
+                        point.push(smoothing.ln());
+                    })
+                })
+                .collect(),
+            More::PlateSmoothing => (PLATE_PROBES.iter())
+                .map(|&(smoothing, more)| {
+                    of(&|point| {
+                        point[PLATE] += more.ln();
+                        point.push(smoothing.ln());
+                    })
+                })
+                .collect(),
+            // What roughness does over short ways, its variance over its length, stays.
+            More::PlateRatio => (RATIOS.iter())
+                .map(|&(ratio, moved)| {
+                    of(&|point| {
+                        point[LENGTH] += moved * ratio.ln();
+                        point[PRIVATE] += 0.5 * moved * ratio.ln();
+                        point[PLATE] += 0.5 * (1.0 + moved) * ratio.ln();
+                        point.push(ratio.ln());
+                    })
+                })
+                .map(|(spacing, point)| (spacing.min(without.coarse(&plain.point)), point))
+                .collect(),
+        }
+    }
+
+    /// Roughness that is smoother than exponential, where that is likelier than `plain`.
     ///
     /// Shorter lengths have finer grids, and a finer grid alone is likelier: both sides are always compared on the same one.
-    pub(super) fn smoother(
+    fn smoother(
         &self,
         criterion: &Criterion<'_>,
         plain: &Minimum,
+        Promising {
+            frame: smooth,
+            point,
+            ..
+        }: Promising,
         thorough: bool,
         evaluations: &mut usize,
     ) -> Option<Further> {
-        let smooth = self.clone().with(More::Smoothing);
-        let probe = |&(smoothing, share): &(f64, f64)| {
-            // Roughness is alike over l (1 + rho).
-            let mut point = plain.point.clone();
-            point[LENGTH] += (share / (1.0 + smoothing)).ln();
-            point.push(smoothing.ln());
-            (smooth.coarse(&point), point)
-        };
-        let probes = PROBES.iter().map(probe).collect();
-        let (_, point) = smooth
-            .likeliest(criterion, (self, plain), probes, evaluations)
-            .filter(|(beyond, _)| thorough || *beyond < 0.0)?;
         let from = if thorough {
             let coarse = smooth.coarse(&point);
             let near = smooth.on_grid(criterion, &point, coarse, NEAR);
@@ -226,53 +295,37 @@ impl Frame {
         let found = smooth.search(criterion, from, again, evaluations);
         let spacing = smooth.spacing(&found.point);
         let own = smooth.value(criterion, &found.point, spacing);
-        let saves = |plain: f64| own < plain - WORTH_SMOOTHING;
-        *evaluations += 2;
-        if !saves(self.value(criterion, &plain.point, spacing)) {
-            return None;
-        }
-        // Exponential roughness may have other sizes on this grid.
-        let fine = self.near(criterion, &plain.point, spacing);
-        *evaluations += fine.evaluations;
-        let as_fine = fine.value;
-        saves(as_fine).then_some(Further {
+        *evaluations += 1;
+        let saved = self.saved(criterion, plain, (own, spacing), SURE, evaluations);
+        (saved > WORTH_SMOOTHING).then_some(Further {
             frame: smooth,
             minimum: found,
-            saved: as_fine - own,
         })
     }
 
     /// A smoothing of its own for the plate's roughness, where it is likelier than that of the runs': a plate that is known at the places of a
     /// grid only, or that was ground.
-    pub(super) fn smoother_plate(
+    fn smoother_plate(
         &self,
         criterion: &Criterion<'_>,
         alike: &Minimum,
-        thorough: bool,
+        Promising {
+            frame: apart,
+            point: start,
+            ..
+        }: &Promising,
         evaluations: &mut usize,
     ) -> Option<Further> {
-        let apart = self.clone().with(More::PlateSmoothing);
-        let probe = |&(smoothing, more): &(f64, f64)| {
-            let mut point = alike.point.clone();
-            point[PLATE] += more.ln();
-            point.push(smoothing.ln());
-            (apart.coarse(&point), point)
-        };
-        let probes = PLATE_PROBES.iter().map(probe).collect();
-        let (_, start) = apart
-            .likeliest(criterion, (self, alike), probes, evaluations)
-            .filter(|(beyond, _)| thorough || *beyond < 0.0)?;
-        let (minimum, saved) = apart.worth_more(
+        let (minimum, _) = apart.worth_more(
             criterion,
             (self, alike),
-            &start,
-            WORTH_SMOOTHER_PLATE,
+            start,
+            (WORTH_SMOOTHER_PLATE, SURE),
             evaluations,
         )?;
         Some(Further {
-            frame: apart,
+            frame: apart.clone(),
             minimum,
-            saved,
         })
     }
 
@@ -283,7 +336,7 @@ impl Frame {
         criterion: &Criterion<'_>,
         (without, plain): (&Self, &Minimum),
         start: &[f64],
-        worth: f64,
+        (worth, sure): (f64, f64),
         evaluations: &mut usize,
     ) -> Option<(Minimum, f64)> {
         let coarse = self.coarse(start);
@@ -295,10 +348,30 @@ impl Frame {
         let again = Search::Again(self.sizes(&near.point));
         let found = self.search(criterion, near.point, again, evaluations);
         let spacing = self.spacing(&found.point);
-        let as_plain = without.near(criterion, &plain.point, spacing);
-        *evaluations += as_plain.evaluations + 1;
-        let saved = as_plain.value - self.value(criterion, &found.point, spacing);
+        let own = self.value(criterion, &found.point, spacing);
+        *evaluations += 1;
+        let saved = without.saved(criterion, plain, (own, spacing), sure, evaluations);
         (saved >= worth).then_some((found, saved))
+    }
+
+    /// By how much `own`, a value on a grid of this spacing, is less than the least without a further number: the sizes of `plain` may be others on
+    /// that grid. Where they save more than is `sure` they are not searched for, and nothing else is asked than whether it is enough.
+    fn saved(
+        &self,
+        criterion: &Criterion<'_>,
+        plain: &Minimum,
+        (own, spacing): (f64, f64),
+        sure: f64,
+        evaluations: &mut usize,
+    ) -> f64 {
+        *evaluations += 1;
+        let at_most = self.value(criterion, &plain.point, spacing) - own;
+        if at_most <= 0.0 || at_most > sure {
+            return at_most;
+        }
+        let fine = self.near(criterion, &plain.point, spacing);
+        *evaluations += fine.evaluations;
+        fine.value - own
     }
 
     /// Where both lengths l and rho l have come to be nearly one: the likelier of that point and of what a search from lengths apart finds on
@@ -332,44 +405,27 @@ impl Frame {
 
     /// A length of its own for the plate's roughness, where that is likelier than one length for both, and than one length beside a step of
     /// the plate. Both sides are compared on one grid.
-    pub(super) fn two_lengths(
+    fn two_lengths(
         &self,
         criterion: &Criterion<'_>,
         one: &Minimum,
-        thorough: bool,
+        Promising {
+            frame: apart,
+            point: start,
+            ..
+        }: &Promising,
         evaluations: &mut usize,
     ) -> Option<Further> {
-        let apart = self.clone().with(More::PlateRatio);
-        let probe = |&(ratio, moved): &(f64, f64)| {
-            // What roughness does over short ways, its variance over its length, stays.
-            let mut point = one.point.clone();
-            point[LENGTH] += moved * ratio.ln();
-            point[PRIVATE] += 0.5 * moved * ratio.ln();
-            point[PLATE] += 0.5 * (1.0 + moved) * ratio.ln();
-            point.push(ratio.ln());
-            (apart.coarse(&point).min(self.coarse(&one.point)), point)
-        };
-        // Beside smoothing, which does much of what a second length would, a search is begun again for what is seen at once only.
-        let smooth = self.has(More::Smoothing) || self.has(More::PlateSmoothing);
-        let enough = match smooth && !thorough {
-            true => 0.0,
-            false => WORTH_SECOND_LENGTH,
-        };
-        let probes = RATIOS.iter().map(probe).collect();
-        let (_, start) = apart
-            .likeliest(criterion, (self, one), probes, evaluations)
-            .filter(|(beyond, _)| *beyond < enough)?;
         let (minimum, saved) = apart.worth_more(
             criterion,
             (self, one),
-            &start,
-            WORTH_SECOND_LENGTH,
+            start,
+            (WORTH_SECOND_LENGTH, f64::INFINITY),
             evaluations,
         )?;
-        (saved >= self.a_step_or_slope_saves(criterion, one, evaluations)).then_some(Further {
-            frame: apart,
+        (saved >= self.a_step_or_slope_saves(criterion, one, evaluations)).then(|| Further {
+            frame: apart.clone(),
             minimum,
-            saved,
         })
     }
 
@@ -387,11 +443,7 @@ impl Frame {
         let saved = self.value(criterion, &one.point, spacing) - minimum.value;
         let enough =
             saved > WORTH_LONGER && saved > self.a_step_or_slope_saves(criterion, one, evaluations);
-        enough.then_some(Further {
-            frame,
-            minimum,
-            saved,
-        })
+        enough.then_some(Further { frame, minimum })
     }
 
     /// What a step in friction at one place of the plate, or a slope along all of it, would save of -2 log likelihood beside roughness of one
