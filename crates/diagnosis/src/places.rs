@@ -32,6 +32,8 @@ pub(crate) enum Shape {
 pub(crate) enum Course {
     /// Friction is raised alike between two places.
     Even { from: f64, to: f64 },
+    /// The same with soft edges: it rises and falls as the normal distribution does, with [`SOFT`] of its width.
+    Soft { from: f64, to: f64 },
     /// It rises and falls as a normal density does.
     Bell { at: f64, deviation: f64 },
     /// It is raised beyond a place.
@@ -45,6 +47,8 @@ const STEPS: i32 = 2;
 const STEP_SHARES: [f64; 3] = [0.25, 0.1, 0.04];
 /// Powers of two between the widths of rises, round by round: what steps gradually may do so over any width.
 const WIDTH_POWERS: [f64; 3] = [1.0, 0.4, 0.16];
+/// Standard deviation of the edges of a soft strip, as a share of its width: between even friction and a bell.
+const SOFT: f64 = 0.125;
 /// The widest rise, as a share of the way that the runs pass: one over all of it is a gradient, and beside roughness that is smooth over as
 /// much of it one over a tenth explains as much as a gradient does.
 const WIDEST_RISE: f64 = 0.04;
@@ -53,31 +57,26 @@ const EDGE: f64 = 0.1;
 /// Width of a bell at half its height, in its deviations: sqrt(8 ln 2).
 const HALF_HEIGHT: f64 = 2.354_82;
 
+fn counts() -> impl Iterator<Item = f64> {
+    (-STEPS..=STEPS).map(f64::from)
+}
+
 impl Course {
     /// Courses near an extent of the plate, finer from round to round. `way`: how much of it the runs pass, m.
     fn near(extent: (f64, f64), way: f64, round: usize) -> Vec<Self> {
+        [Self::strips(extent, round), Self::steps(extent, way, round)].concat()
+    }
+
+    /// Those of friction that is raised between two places.
+    fn strips(extent: (f64, f64), round: usize) -> Vec<Self> {
         let (middle, width) = (0.5 * (extent.0 + extent.1), extent.1 - extent.0);
         let step = STEP_SHARES[round] * width;
-        let steps = || (-STEPS..=STEPS).map(f64::from);
-        let moves = || steps().map(move |k| k * step);
         let mut out = Vec::new();
-        for one in moves() {
-            let beyond = |at: f64| Self::Beyond { at };
-            out.extend([middle, extent.0, extent.1].map(|at| beyond(at + one)));
-            let widths = steps().map(|k| width * (k * WIDTH_POWERS[round]).exp2());
-            out.extend(
-                widths
-                    .filter(|wide| *wide <= WIDEST_RISE * way)
-                    .map(|wide| Self::Rise {
-                        at: middle + one,
-                        deviation: wide / HALF_HEIGHT,
-                    }),
-            );
-            for other in moves() {
-                out.push(Self::Even {
-                    from: extent.0 + one,
-                    to: extent.1 + other,
-                });
+        for one in counts().map(|k| k * step) {
+            for other in counts().map(|k| k * step) {
+                let (from, to) = (extent.0 + one, extent.1 + other);
+                out.push(Self::Even { from, to });
+                out.push(Self::Soft { from, to });
                 out.push(Self::Bell {
                     at: middle + one,
                     deviation: (width + other) / HALF_HEIGHT,
@@ -87,10 +86,38 @@ impl Course {
         out
     }
 
+    /// Those of friction that is raised beyond a place.
+    fn steps(extent: (f64, f64), way: f64, round: usize) -> Vec<Self> {
+        let (middle, width) = (0.5 * (extent.0 + extent.1), extent.1 - extent.0);
+        let step = STEP_SHARES[round] * width;
+        let mut out = Vec::new();
+        for one in counts().map(|k| k * step) {
+            let beyond = |at: f64| Self::Beyond { at: at + one };
+            out.extend([middle, extent.0, extent.1].map(beyond));
+            let widths = counts().map(|k| width * (k * WIDTH_POWERS[round]).exp2());
+            let short = widths.filter(|wide| *wide <= WIDEST_RISE * way);
+            out.extend(short.map(|wide| Self::Rise {
+                at: middle + one,
+                deviation: wide / HALF_HEIGHT,
+            }));
+        }
+        out
+    }
+
+    /// Courses of its own kind near it.
+    fn alike(self, extent: (f64, f64), way: f64, round: usize) -> Vec<Self> {
+        match self {
+            Self::Beyond { .. } | Self::Rise { .. } => Self::steps(extent, way, round),
+            Self::Even { .. } | Self::Soft { .. } | Self::Bell { .. } => {
+                Self::strips(extent, round)
+            }
+        }
+    }
+
     /// Where it begins and ends; a step as closely as it is known, `width`.
     fn extent(self, width: f64) -> (f64, f64) {
         match self {
-            Self::Even { from, to } => (from, to),
+            Self::Even { from, to } | Self::Soft { from, to } => (from, to),
             Self::Bell { at, deviation } | Self::Rise { at, deviation } => {
                 let half = 0.5 * HALF_HEIGHT * deviation;
                 (at - half, at + half)
@@ -101,11 +128,16 @@ impl Course {
 
     /// By how much friction is raised, in units of the largest.
     fn raised(self, place: f64) -> f64 {
+        let normal = |x: f64| Normal::standard().cdf(x);
         match self {
             Self::Even { from, to } => f64::from(u8::from(place > from && place <= to)),
+            Self::Soft { from, to } => {
+                let deviation = SOFT * (to - from);
+                normal((place - from) / deviation) - normal((place - to) / deviation)
+            }
             Self::Bell { at, deviation } => (-0.5 * ((place - at) / deviation).powi(2)).exp(),
             Self::Beyond { at } => f64::from(u8::from(place > at)),
-            Self::Rise { at, deviation } => Normal::standard().cdf((place - at) / deviation),
+            Self::Rise { at, deviation } => normal((place - at) / deviation),
         }
     }
 
@@ -148,10 +180,13 @@ pub(crate) fn closely(
     friction: &[f64],
     mut extent: (f64, f64),
 ) -> Option<Near> {
-    let (mut best, mut tried) = (None, 0);
+    let (mut best, mut tried): (Option<(f64, Course)>, _) = (None, 0);
     let (lo, hi) = samples.extent();
     for round in 0..STEP_SHARES.len() {
-        let courses = Course::near(extent, hi - lo, round);
+        let courses = match best {
+            None => Course::near(extent, hi - lo, round),
+            Some((_, course)) => course.alike(extent, hi - lo, round),
+        };
         tried += courses.len();
         let white = stand.whiten_own(&Course::columns(&courses, &samples.place, friction));
         let free = ground.project(&white);
