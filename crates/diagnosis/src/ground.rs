@@ -31,6 +31,7 @@ use crate::tail::{equivalent_z, log_chi2_tail, log_sum, normal_deviate};
 pub(crate) const ABSORBED: f64 = 1e-4;
 
 /// Whitened, projected coordinates of a campaign under a fitted model, see (D1).
+#[derive(Clone)]
 pub(crate) struct Ground {
     basis: DMatrix<f64>,
     /// Whitened residual, projected.
@@ -95,6 +96,17 @@ impl Score {
     }
 }
 
+/// Scatters with the logarithms of their prior weights: the posterior's less what is `known` beside.
+fn nodes(evidence: &ScatterEvidence, known: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
+    let weighed = evidence.posterior().into_iter();
+    weighed
+        .map(|(s, w)| match w > 0.0 {
+            true => (s, w.ln() + known(s)),
+            false => (s, f64::NEG_INFINITY),
+        })
+        .collect()
+}
+
 impl Ground {
     /// From whitened Jacobian, whitened gains (n x K) and whitened residual, the whitening being without scatter.
     pub(crate) fn new(
@@ -116,22 +128,10 @@ impl Ground {
         let repeats = evidence.contradicted(gains, jacobian, residual, conditions);
         // The nodes of the scatter are kept; their weights are those of the prior, likelihoods differ by hypothesis. Repeats say the same
         // beside every hypothesis.
-        let known = |s: f64| match &repeats {
-            None => 0.5 * evidence.deviance(s),
-            Some(_) => 0.0,
+        let scatters = match &repeats {
+            None => nodes(&evidence, |s| 0.5 * evidence.deviance(s)),
+            Some(repeats) => nodes(repeats, |_| 0.0),
         };
-        let scatters = (repeats.as_ref().unwrap_or(&evidence))
-            .posterior()
-            .into_iter()
-            .map(|(s, w)| {
-                let log_prior = if w > 0.0 {
-                    w.ln() + known(s)
-                } else {
-                    f64::NEG_INFINITY
-                };
-                (s, log_prior)
-            })
-            .collect();
         Self {
             basis,
             y,
@@ -172,6 +172,21 @@ impl Ground {
             left: q.tr_mul(&self.left),
         };
         (narrow, r)
+    }
+
+    /// The same with what all runs say of the scatter, where repeats alone are believed: beside the right hypothesis what is left of whole
+    /// conditions is scatter, too.
+    pub(crate) fn of_all_runs(&self) -> Option<Self> {
+        self.repeats.as_ref()?;
+        let evidence = ScatterEvidence {
+            lambda: self.lambda.clone(),
+            score: self.turned.clone(),
+        };
+        Some(Self {
+            scatters: nodes(&evidence, |s| 0.5 * evidence.deviance(s)),
+            repeats: None,
+            ..self.clone()
+        })
     }
 
     /// Degrees of freedom from which the scatter between runs is estimated.

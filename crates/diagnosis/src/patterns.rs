@@ -1,12 +1,12 @@
 //! A gain that some runs share and the others lack (one run, two of them, the runs of a stretch of the day, every second, third or fourth
-//! one), gains that jump and go back or go up and down in the course of the day, by the order of the runs or by the clock, gains of
+//! one, those of a range of strokes, speeds or rests), gains that jump and go back or go up and down in the course of the day, by the order of the runs or by the clock, gains of
 //! all runs under one load, and gains that follow how far or how fast runs go or how long the rig has rested before them.
 //!
 //! A weight that was forgotten, a clamp that was changed or a room that cools looks like scatter between runs. Scatter knows no order, so
 //! each such question is answered by Student's t of the runs' gains (the scatter is integrated over), and the questions pay for one another
 //! by Bonferroni's bound.
 
-use std::f64::consts::PI;
+use std::f64::consts::{LN_2, PI};
 use std::ops::Range;
 
 use nalgebra::{DMatrix, SymmetricEigen};
@@ -31,6 +31,8 @@ const HELD: f64 = 0.95;
 const OF_SETS: f64 = 0.5;
 const OF_FAMILIES: f64 = 0.45;
 const OF_MANNERS: f64 = 0.05;
+/// Share by which runs that are made in one manner may differ in it.
+const ALIKE: f64 = 1e-3;
 /// Runs for each cosine that a course needs at least.
 const RUNS_A_COSINE: usize = 3;
 
@@ -84,8 +86,12 @@ fn strongest(
 ) -> Option<(Question, Score)> {
     // All questions lie in the span of the gains: they are answered there.
     let (narrow, root) = ground.narrowed(&ground.project(white_gains));
+    // Repeats may be few. Where they alone are believed, as whole conditions contradict them, a question that makes up for that is
+    // answered by what all runs say of the scatter as well; either answer pays for the other.
+    let all_runs = narrow.of_all_runs();
+    let both = if all_runs.is_some() { LN_2 } else { 0.0 };
     let full = white_gains.tr_mul(white_gains);
-    let scored = questions.into_iter().filter_map(|question| {
+    let scored = questions.into_iter().filter_map(|mut question| {
         let mut columns = &root * &question.gains;
         for (mut free, gains) in columns.column_iter_mut().zip(question.gains.column_iter()) {
             // What the model absorbs is no question.
@@ -93,7 +99,13 @@ fn strongest(
                 free.fill(0.0);
             }
         }
-        let score = narrow.score(&narrow.direction(&columns)?);
+        let direction = narrow.direction(&columns)?;
+        let by_repeats = narrow.score(&direction);
+        let by_all = all_runs.as_ref().map(|ground| ground.score(&direction));
+        let score = by_all
+            .filter(|all| all.log_p < by_repeats.log_p)
+            .unwrap_or(by_repeats);
+        question.price += both;
         Some((question, score))
     });
     let log_p = |(question, score): &(Question, Score)| score.log_p + question.price;
@@ -129,6 +141,9 @@ fn questions(began: &[f64], levels: &[usize], manners: &[Vec<f64>]) -> Vec<Quest
     let shared = |runs: Vec<usize>| {
         DMatrix::from_fn(count, 1, |run, _| f64::from(u8::from(runs.contains(&run))))
     };
+    sets.extend(manners.iter().flat_map(|manner| sets_of_a_manner(manner)));
+    sets.sort_by(|a, b| (a.len(), a).cmp(&(b.len(), b)));
+    sets.dedup();
     let mut sets: Vec<DMatrix<f64>> = sets.into_iter().map(shared).collect();
     if ordered {
         sets.extend(jumps(began));
@@ -219,6 +234,32 @@ fn sets_of_the_day(order: &[usize]) -> Vec<Vec<usize>> {
         sets.extend(
             (0..phases).map(|phase| order[phase..].iter().step_by(period).copied().collect()),
         );
+    }
+    sets
+}
+
+/// Runs that are next to one another in a manner, three or more and at most half of all, each with all that are as it is: friction may be another
+/// within a range of strokes, or after middling rests.
+fn sets_of_a_manner(manner: &[f64]) -> Vec<Vec<usize>> {
+    let count = manner.len();
+    let mut order: Vec<usize> = (0..count).collect();
+    order.sort_by(|&a, &b| manner[a].total_cmp(&manner[b]));
+    let alike = |a: usize, b: usize| (manner[a] - manner[b]).abs() <= ALIKE * manner[b].abs();
+    // Places in the order at which a run differs from the one before it.
+    let mut edges: Vec<usize> = (1..count)
+        .filter(|&k| !alike(order[k - 1], order[k]))
+        .collect();
+    edges.insert(0, 0);
+    edges.push(count);
+    let mut sets = Vec::new();
+    for (k, &from) in edges.iter().enumerate() {
+        for &to in &edges[k + 1..] {
+            if (3..=count / 2).contains(&(to - from)) {
+                let mut set = order[from..to].to_vec();
+                set.sort_unstable();
+                sets.push(set);
+            }
+        }
     }
     sets
 }
@@ -386,6 +427,31 @@ mod tests {
             of_the_room >= 18 && of_the_load >= 18,
             "{of_the_room}, {of_the_load}"
         );
+    }
+
+    /// Friction that is another after middling rests: the runs after them are named, wherever they lie in the day.
+    #[test]
+    fn a_gain_of_a_range_of_rests_is_seen() {
+        let rest = |k: usize| [12.0, 14.0, 55.0, 300.0, 50.0, 410.0][(5 * k) % 6] + 0.1 * k as f64;
+        let manner: Vec<f64> = (0..RUNS).map(rest).collect();
+        let middling: Vec<usize> = (0..RUNS)
+            .filter(|&k| (40.0..70.0).contains(&manner[k]))
+            .collect();
+        assert_eq!(middling.len(), 4);
+        assert!(sets_of_a_manner(&manner).contains(&middling));
+        let mut rng = ChaCha8Rng::seed_from_u64(17);
+        let mut seen = 0;
+        for _ in 0..20 {
+            let asked = questions(&began(true), &[0; RUNS], std::slice::from_ref(&manner));
+            let gain = |k: usize| if middling.contains(&k) { 8.0 } else { 0.0 };
+            let (runs, log_p) = answered(RUNS, asked, gain, &mut rng);
+            seen += usize::from(runs == middling && log_p < -6.0);
+        }
+        assert!(seen >= 18, "{seen} of 20");
+        // runs made in one manner are in a set together or not at all
+        let strokes = [3.0, 1.0, 1.0, 2.0, 1.0, 3.0, 2.0, 3.0];
+        let sets = sets_of_a_manner(&strokes);
+        assert_eq!(sets, [vec![1, 2, 4], vec![0, 5, 7]]);
     }
 
     /// A room's air over a day whose runs come in clusters, in scatters.
