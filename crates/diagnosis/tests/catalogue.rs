@@ -10,7 +10,7 @@ use rig::{Cause, Experiment, Follows, Model, Requirement, Station};
 use rigs::{BRISTLE, LUGRE, rich};
 
 /// Ids, stations and reported parameters, as other programs know them.
-const VOCABULARY: [(&str, &str, &[&str]); 68] = [
+const VOCABULARY: [(&str, &str, &[&str]); 69] = [
     (
         "stage-ripple",
         "stage",
@@ -20,6 +20,11 @@ const VOCABULARY: [(&str, &str, &[&str]); 68] = [
         "stage-ripple",
         "stage",
         &["amplitude", "pitch_m", "phase_rad", "moves_the_mass"],
+    ),
+    (
+        "stage-ripple",
+        "stage",
+        &["amplitude", "pitch_m", "phase_rad", "follows_the_record"],
     ),
     (
         "stage-ripple",

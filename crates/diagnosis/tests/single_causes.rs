@@ -139,3 +139,45 @@ fn a_mass_on_a_rippling_stage_has_inertia() {
         );
     }
 }
+
+/// Under a steady law with a viscous slope the force shows the speed, v = c (1 + A sin(2 pi x/p)). With x as recorded, c t, that is a sine; with x
+/// where the stage is, dx/dt = v, there is a second harmonic of A/2 of the first.
+#[test]
+fn a_ripple_of_a_recorded_screw_has_no_second_harmonic() {
+    const AMPLITUDE: f64 = 0.2;
+    let experiment = Experiment::new(&rich(400)).expect("moves");
+    let run = &experiment.runs[5];
+    let before: usize = experiment.runs[..5].iter().map(|run| run.len()).sum();
+    let way = run.position_m.last().expect("samples") - run.position_m[0];
+    // whole pitches of the record
+    let pitch_m = way.abs() / 4.0;
+    let forces = |variant: Option<&str>| {
+        let mut forms = catalogue().into_iter();
+        let form = forms.find(|c| c.id() == "stage-ripple" && c.variant() == variant);
+        let effects = vec![form.expect("in the catalogue")];
+        let model = Model::new(LawKind::CoulombViscous, effects, &experiment).expect("model");
+        let mut p: Vec<f64> = (LawKind::CoulombViscous.parameters().iter())
+            .map(|p| p.typical)
+            .collect();
+        p.extend([AMPLITUDE, 0.0, pitch_m]);
+        model.predict(&experiment, &p)[before..before + run.len()].to_vec()
+    };
+    // Fourier's coefficients over the record, its last sample being the first of the next pitch
+    let harmonic = |force: &[f64], order: f64| {
+        let n = force.len() - 1;
+        let (mut sin, mut cos) = (0.0, 0.0);
+        for (i, f) in force[..n].iter().enumerate() {
+            let x =
+                std::f64::consts::TAU * order * (run.position_m[i] - run.position_m[0]) / pitch_m;
+            sin += f * x.sin();
+            cos += f * x.cos();
+        }
+        2.0 * sin.hypot(cos) / n as f64
+    };
+    let screw = forces(Some("of a screw whose turns are recorded"));
+    let plain = forces(None);
+    let (first, second) = (harmonic(&screw, 1.0), harmonic(&screw, 2.0));
+    assert!(second < 1e-3 * first, "{first} {second}");
+    let share = harmonic(&plain, 2.0) / first;
+    assert!((share / (0.5 * AMPLITUDE) - 1.0).abs() < 0.3, "{share}");
+}

@@ -22,7 +22,7 @@ macro_rules! catalogue {
 }
 
 catalogue! {
-    stage_ripple::StageRipple, CarryingRipple, EdgedRipple, ToothedRipple, HarmonicRipple;
+    stage_ripple::StageRipple, CarryingRipple, ScrewRipple, EdgedRipple, ToothedRipple, HarmonicRipple;
     cord_compliance::CordCompliance, CordBesideMass;
     stribeck_shape::StribeckShape;
     velocity_strengthening::AddedStrengthening, VelocityStrengthening, ForceStrengthening;

@@ -128,6 +128,49 @@ impl Cause for CarryingRipple {
     }
 }
 
+/// The pitch is that of a screw whose turns are what is recorded: x is the recorded coordinate. Of amplitudes A the plain form differs from that
+/// by a second harmonic of A^2/2, and by as much in its pitch.
+#[derive(Clone, Copy, Debug)]
+pub struct ScrewRipple;
+
+/// The marker's name in files.
+const SCREW: &str = "follows_the_record";
+
+impl Cause for ScrewRipple {
+    marked_form!(StageRipple, "of a screw whose turns are recorded", SCREW);
+
+    fn sizes(&self) -> &'static [usize] {
+        StageRipple.sizes()
+    }
+
+    fn shape_grid(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+        StageRipple.shape_grid(experiment)
+    }
+
+    fn is_periodic(&self) -> bool {
+        StageRipple.is_periodic()
+    }
+
+    fn requirements(&self) -> &'static [Requirement] {
+        StageRipple.requirements()
+    }
+
+    fn refines(&self) -> bool {
+        true
+    }
+
+    fn steps_a_sample(&self, p: &[f64], run: &RunMotion) -> usize {
+        StageRipple.steps_a_sample(p, run)
+    }
+
+    fn stage<D: Scalar>(&self, p: &[D], at: Place<'_>, velocity: &mut [D]) {
+        let wave = p[2].recip() * std::f64::consts::TAU;
+        for (v, &x) in velocity.iter_mut().zip(&at.run.position_m) {
+            *v = *v * Sine::ripple(p, wave * x);
+        }
+    }
+}
+
 /// A drive that steps: between a sine and a square wave.
 #[derive(Clone, Copy, Debug)]
 pub struct EdgedRipple;
