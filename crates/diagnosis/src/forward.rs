@@ -142,8 +142,9 @@ impl<'a, 'b> Forward<'a, 'b> {
         let (admitted, strict) = (self.admitted(round), strict(&self.first));
         // The first round asks all that come near; later ones must pass on their own.
         let threshold = if top.log_p > strict { admitted } else { strict };
+        let hidden = || swallowed(bench, subset, stand, found, self.warm).map(Proposal::from);
         let proposal = if top.log_p > admitted || idle {
-            swallowed(bench, subset, stand, found, self.warm).map(Proposal::from)
+            hidden()
         } else {
             let seen = Seen {
                 bench,
@@ -152,7 +153,12 @@ impl<'a, 'b> Forward<'a, 'b> {
                 found,
                 warm: self.warm,
             };
-            seen.proposal(threshold, self.depth)
+            let seen = seen.proposal(threshold, self.depth);
+            // What a fold hardly sees the plate may have taken up but for that.
+            let doubtful = self.whole_campaign().is_some() && top.log_p > strict;
+            let plainer =
+                |hidden: &Proposal| seen.as_ref().is_none_or(|seen| hidden.log_p < seen.log_p);
+            doubtful.then(hidden).flatten().filter(plainer).or(seen)
         }?;
         let passes = round == 0 || proposal.log_p <= admitted;
         let beyond_shape = round == 0 || proposal.drop > SHAPE_TOLERANCE.powi(2) * self.explained;
