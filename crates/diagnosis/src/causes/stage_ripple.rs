@@ -166,7 +166,7 @@ impl Cause for ScrewRipple {
     fn stage<D: Scalar>(&self, p: &[D], at: Place<'_>, velocity: &mut [D]) {
         let wave = p[2].recip() * std::f64::consts::TAU;
         for (v, &x) in velocity.iter_mut().zip(&at.run.position_m) {
-            *v = *v * Sine::ripple(p, wave * x);
+            *v *= Sine::ripple(p, wave * x);
         }
     }
 }
