@@ -178,10 +178,7 @@ impl Ground {
     /// conditions is scatter, too.
     pub(crate) fn of_all_runs(&self) -> Option<Self> {
         self.repeats.as_ref()?;
-        let evidence = ScatterEvidence {
-            lambda: self.lambda.clone(),
-            score: self.turned.clone(),
-        };
+        let evidence = self.evidence_of_all_runs();
         Some(Self {
             scatters: nodes(&evidence, |s| 0.5 * evidence.deviance(s)),
             repeats: None,
@@ -404,10 +401,14 @@ impl Ground {
     }
 
     fn evidence(&self) -> ScatterEvidence {
-        self.repeats.clone().unwrap_or_else(|| ScatterEvidence {
+        (self.repeats.clone()).unwrap_or_else(|| self.evidence_of_all_runs())
+    }
+
+    fn evidence_of_all_runs(&self) -> ScatterEvidence {
+        ScatterEvidence {
             lambda: self.lambda.clone(),
             score: self.turned.clone(),
-        })
+        }
     }
 
     /// V(s)^-1 y.

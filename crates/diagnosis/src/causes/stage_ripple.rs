@@ -85,6 +85,33 @@ impl Cause for StageRipple {
     }
 }
 
+/// What marked forms of the sine, asked in its place, share with it: everything but what a campaign must have, and the hook.
+macro_rules! in_place_of_the_sine {
+    ($variant:literal, $marker:ident) => {
+        marked_form!(StageRipple, $variant, $marker);
+
+        fn sizes(&self) -> &'static [usize] {
+            StageRipple.sizes()
+        }
+
+        fn shape_grid(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+            StageRipple.shape_grid(experiment)
+        }
+
+        fn is_periodic(&self) -> bool {
+            StageRipple.is_periodic()
+        }
+
+        fn refines(&self) -> bool {
+            true
+        }
+
+        fn steps_a_sample(&self, p: &[f64], run: &RunMotion) -> usize {
+            StageRipple.steps_a_sample(p, run)
+        }
+    };
+}
+
 /// The rig's moving mass stands on the stage and ripples with it: F + M d(v_true)/dt. In the plain form it follows the motor.
 #[derive(Clone, Copy, Debug)]
 pub struct CarryingRipple;
@@ -93,34 +120,14 @@ pub struct CarryingRipple;
 const CARRYING: &str = "moves_the_mass";
 
 impl Cause for CarryingRipple {
-    marked_form!(StageRipple, "of a stage that carries the mass", CARRYING);
-
-    fn sizes(&self) -> &'static [usize] {
-        StageRipple.sizes()
-    }
-
-    fn shape_grid(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
-        StageRipple.shape_grid(experiment)
-    }
-
-    fn is_periodic(&self) -> bool {
-        StageRipple.is_periodic()
-    }
+    in_place_of_the_sine!("of a stage that carries the mass", CARRYING);
 
     fn requirements(&self) -> &'static [Requirement] {
         &[Requirement::MovingMass]
     }
 
-    fn refines(&self) -> bool {
-        true
-    }
-
     fn moves_the_mass(&self) -> bool {
         true
-    }
-
-    fn steps_a_sample(&self, p: &[f64], run: &RunMotion) -> usize {
-        StageRipple.steps_a_sample(p, run)
     }
 
     fn stage<D: Scalar>(&self, p: &[D], at: Place<'_>, velocity: &mut [D]) {
@@ -137,30 +144,10 @@ pub struct ScrewRipple;
 const SCREW: &str = "follows_the_record";
 
 impl Cause for ScrewRipple {
-    marked_form!(StageRipple, "of a screw whose turns are recorded", SCREW);
-
-    fn sizes(&self) -> &'static [usize] {
-        StageRipple.sizes()
-    }
-
-    fn shape_grid(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
-        StageRipple.shape_grid(experiment)
-    }
-
-    fn is_periodic(&self) -> bool {
-        StageRipple.is_periodic()
-    }
+    in_place_of_the_sine!("of a screw whose turns are recorded", SCREW);
 
     fn requirements(&self) -> &'static [Requirement] {
         StageRipple.requirements()
-    }
-
-    fn refines(&self) -> bool {
-        true
-    }
-
-    fn steps_a_sample(&self, p: &[f64], run: &RunMotion) -> usize {
-        StageRipple.steps_a_sample(p, run)
     }
 
     fn stage<D: Scalar>(&self, p: &[D], at: Place<'_>, velocity: &mut [D]) {

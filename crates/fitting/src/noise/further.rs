@@ -191,8 +191,8 @@ impl Frame {
         promising.sort_by(|a, b| a.beyond.total_cmp(&b.beyond));
         (promising.into_iter()).find_map(|promising| match promising.more {
             More::Smoothing => self.smoother(criterion, found, promising, thorough, evaluations),
-            More::PlateSmoothing => self.smoother_plate(criterion, found, &promising, evaluations),
-            More::PlateRatio => self.two_lengths(criterion, found, &promising, evaluations),
+            More::PlateSmoothing => self.smoother_plate(criterion, found, promising, evaluations),
+            More::PlateRatio => self.two_lengths(criterion, found, promising, evaluations),
         })
     }
 
@@ -313,18 +313,18 @@ impl Frame {
             frame: apart,
             point: start,
             ..
-        }: &Promising,
+        }: Promising,
         evaluations: &mut usize,
     ) -> Option<Further> {
         let (minimum, _) = apart.worth_more(
             criterion,
             (self, alike),
-            start,
+            &start,
             (WORTH_SMOOTHER_PLATE, SURE),
             evaluations,
         )?;
         Some(Further {
-            frame: apart.clone(),
+            frame: apart,
             minimum,
         })
     }
@@ -413,18 +413,18 @@ impl Frame {
             frame: apart,
             point: start,
             ..
-        }: &Promising,
+        }: Promising,
         evaluations: &mut usize,
     ) -> Option<Further> {
         let (minimum, saved) = apart.worth_more(
             criterion,
             (self, one),
-            start,
+            &start,
             (WORTH_SECOND_LENGTH, f64::INFINITY),
             evaluations,
         )?;
-        (saved >= self.a_step_or_slope_saves(criterion, one, evaluations)).then(|| Further {
-            frame: apart.clone(),
+        (saved >= self.a_step_or_slope_saves(criterion, one, evaluations)).then_some(Further {
+            frame: apart,
             minimum,
         })
     }
