@@ -146,6 +146,18 @@ impl Fitted {
         self.with_own(k, &[])
     }
 
+    /// 1/2 |W r|^2 under another noise than it was fitted under.
+    pub(crate) fn cost_under(
+        &self,
+        bench: &Bench<'_>,
+        subset: &Subset,
+        whitener: &Whitener,
+    ) -> f64 {
+        0.5 * self
+            .white_residual(bench, subset, whitener)
+            .norm_squared()
+    }
+
     /// Measured less predicted, not whitened.
     pub(crate) fn residual(&self, bench: &Bench<'_>, subset: &Subset) -> DVector<f64> {
         subset.gather(&bench.experiment.measured_n) - subset.gather(&self.prediction)
@@ -172,6 +184,29 @@ impl Fitted {
     pub(crate) fn names(&self, bench: &Bench<'_>, cause: usize) -> bool {
         let id = bench.catalogue[cause].id();
         self.effects.iter().any(|&e| bench.catalogue[e].id() == id)
+    }
+}
+
+/// How long a fit may go on.
+#[derive(Clone, Copy)]
+pub(crate) struct Limit {
+    steps: u64,
+    below: Option<f64>,
+}
+
+impl From<u64> for Limit {
+    fn from(steps: u64) -> Self {
+        Self { steps, below: None }
+    }
+}
+
+impl Limit {
+    /// For a fit that is of use only below this cost (1/2 |W r|^2): given up once it plainly will not come there.
+    pub(crate) fn below(steps: u64, cost: f64) -> Self {
+        Self {
+            steps,
+            below: Some(cost),
+        }
     }
 }
 
@@ -295,8 +330,9 @@ impl<'a> Bench<'a> {
         start: &[f64],
         whitener: &Whitener,
         target: Option<&[f64]>,
-        limit: u64,
+        limit: impl Into<Limit>,
     ) -> Option<Fitted> {
+        let limit = limit.into();
         let model = self.model(effects)?;
         let free = movable(&model, subset, self.samples.runs.len());
         let (mut lower, mut upper) = (Vec::new(), Vec::new());
@@ -321,8 +357,9 @@ impl<'a> Bench<'a> {
         let options = SolverOptions {
             reduction_tolerance: 1e-7,
             step_tolerance: 1e-8,
-            iteration_limit: limit,
+            iteration_limit: limit.steps,
             initial_damping: 1e-4,
+            below: limit.below,
         };
         let mut fit = minimise(&problem, start, &bounds, &options).ok()?;
         if !fit.cost.is_finite() {

@@ -247,7 +247,7 @@ fn mistaken(
     });
     let fitted = others.filter_map(|form| {
         let starts = bench.catalogue[form].starts(&bench.experiment);
-        let (deviance, fit) = in_place(bench, subset, stand, (k, form), &starts)?;
+        let (deviance, fit) = in_place(bench, subset, stand, (k, form), &starts, None)?;
         let apart = full.prediction.iter().zip(&fit.prediction);
         let apart = apart.map(|(a, b)| a - b);
         let apart = DMatrix::from_iterator(full.prediction.len(), 1, apart);

@@ -125,7 +125,7 @@ pub(crate) fn fold(
     };
     let plain = named.iter().any(|cause| own.is_plain(cause));
     let instead = (own.is_plain(&full.effects)).then(|| instead(bench, whole, &own, warm, named));
-    let (again, firm, named) = match instead.filter(|_| keeps_names(bench, own, warm)) {
+    let (again, firm, named) = match instead.filter(|_| keeps_names(bench, own, &asked.named)) {
         Some(instead) => (plain, extended.clone(), instead),
         None => (false, bare.clone(), bare),
     };
@@ -144,11 +144,16 @@ pub(crate) fn fold(
     })
 }
 
-/// Whether what a fold has named would stay named, were it the whole campaign: the names that the whole campaign has kept do.
-fn keeps_names(bench: &Bench<'_>, mut own: Selected, warm: &Warm) -> bool {
-    let of_the_whole = warm.causes.iter().map(|(cause, _)| *cause);
-    let of_the_whole: BTreeSet<&str> = of_the_whole.map(|c| bench.catalogue[c].id()).collect();
-    if of_the_whole == BTreeSet::from_iter(own.stand.fitted.ids(bench)) {
+/// Whether what a fold has named would stay named, were it the whole campaign: the names that the whole campaign has kept do, `sets`, each in
+/// whatever form and as whichever of those that cannot be told from it.
+fn keeps_names(bench: &Bench<'_>, mut own: Selected, sets: &[Vec<usize>]) -> bool {
+    let set_of = |id: &str| {
+        let holds = |set: &&Vec<usize>| set.iter().any(|&c| bench.catalogue[c].id() == id);
+        sets.iter().position(|set| holds(&set))
+    };
+    let ids = own.stand.fitted.ids(bench);
+    let seen: Option<BTreeSet<usize>> = ids.iter().map(|id| set_of(id)).collect();
+    if seen.is_some_and(|seen| seen.len() == ids.len() && ids.len() == sets.len()) {
         return true;
     }
     own.left = lack(bench, &own.subset, &own.stand);

@@ -4,7 +4,7 @@
 //! Where two of them do alike, chance decides which one comes in first, and a size that is reported by the other form's parameters
 //! means another thing to the reader.
 
-use crate::bench::{Bench, Fitted};
+use crate::bench::{Bench, Fitted, Limit};
 use crate::equivalence::AS_GOOD;
 use crate::joint::{forms_of, is_dear, is_second_form, search_price};
 use crate::look_back::EXCHANGE;
@@ -15,6 +15,8 @@ use crate::subset::Subset;
 
 /// Steps of a fit with another form.
 const STEPS: u64 = 30;
+/// Deviance by which a cost may misjudge another form: the scatter between runs is weighed anew.
+const UNSURE: f64 = 5.0;
 /// Starts of another form that are fitted, nearest first.
 const STARTS: usize = 3;
 
@@ -32,7 +34,9 @@ pub(crate) fn plainest(bench: &Bench<'_>, subset: &Subset, mut stand: Stand) -> 
         };
         let dearer = search_price(bench, own) - search_price(bench, plain);
         let starts = bench.catalogue[plain].starts(&bench.experiment);
-        let Some((deviance, fit)) = in_place(bench, subset, &stand, (k, plain), &starts) else {
+        let saves = Some(-dearer);
+        let Some((deviance, fit)) = in_place(bench, subset, &stand, (k, plain), &starts, saves)
+        else {
             continue;
         };
         if deviance > stand.deviance + dearer {
@@ -65,10 +69,11 @@ pub(crate) fn refine_last(
     let best = refined_forms(bench, own)
         .filter_map(|form| {
             let starts = refined_starts(bench, fitted, k, form);
-            let (deviance, fit) = in_place(bench, subset, &stand, (k, form), &starts)?;
             let dearer = search_price(bench, form) - search_price(bench, own);
             let is_own = bench.catalogue[form].id() == bench.catalogue[own].id();
             let worth = if is_own { worth } else { EXCHANGE };
+            let saves = Some(dearer + worth);
+            let (deviance, fit) = in_place(bench, subset, &stand, (k, form), &starts, saves)?;
             Some((deviance + dearer + worth, fit, dearer + worth))
         })
         .min_by(|a, b| a.0.total_cmp(&b.0));
@@ -101,7 +106,7 @@ pub(crate) fn as_named(
             continue;
         };
         let starts = std::slice::from_ref(parameters);
-        let next = in_place(bench, subset, &stand, (k, *form), starts)
+        let next = in_place(bench, subset, &stand, (k, *form), starts, Some(-AS_GOOD))
             .filter(|(deviance, _)| *deviance < stand.deviance + AS_GOOD)
             .and_then(|(_, fit)| {
                 settle(bench, subset, &fit, &Scan::empty(bench, Some(stand.sizes)))
@@ -164,13 +169,15 @@ fn refined_starts(bench: &Bench<'_>, fitted: &Fitted, k: usize, form: usize) -> 
     starts
 }
 
-/// The set with another form in the place of its k-th cause, from the form's starts, and its deviance under the stand's noise.
+/// The set with another form in the place of its k-th cause, from the form's starts, and its deviance under the stand's noise. `saves`: the
+/// deviance that it must save to be of use; `None` where it is asked by how much it loses.
 pub(crate) fn in_place(
     bench: &Bench<'_>,
     subset: &Subset,
     stand: &Stand,
     (k, form): (usize, usize),
     starts: &[Vec<f64>],
+    saves: Option<f64>,
 ) -> Option<(f64, Fitted)> {
     let fitted = &stand.fitted;
     let mut effects = fitted.effects.clone();
@@ -187,8 +194,12 @@ pub(crate) fn in_place(
         })
         .collect();
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let limit = saves.map_or(Limit::from(STEPS), |saves| {
+        let own = fitted.cost_under(bench, subset, &whitener);
+        Limit::below(STEPS, own + 0.5 * (UNSURE - saves))
+    });
     let fits = starts.iter().take(STARTS).filter_map(|(_, start)| {
-        let fit = bench.fit(subset, &effects, start, &whitener, None, STEPS)?;
+        let fit = bench.fit(subset, &effects, start, &whitener, None, limit)?;
         Some((stand.deviance_of(bench, subset, &fit), fit))
     });
     fits.min_by(|a, b| a.0.total_cmp(&b.0))

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use fitting::noise::Whitener;
 use rayon::prelude::*;
 
-use crate::bench::{Bench, Fitted};
+use crate::bench::{Bench, Fitted, Limit};
 use crate::scan::{Candidate, Scan, extended};
 use crate::stand::Stand;
 use crate::starts::{ranked, with_laws};
@@ -106,6 +106,8 @@ impl Joint<'_, '_> {
         let (bench, subset) = (self.bench, self.subset);
         let mut effects = self.stand.fitted.effects.clone();
         effects.push(self.candidate.cause);
+        let without = (self.stand.fitted).cost_under(bench, subset, &self.whitener);
+        let limit = Limit::below(limit, without);
         let fit = |start: &Vec<f64>| {
             let fit = bench.fit(subset, &effects, start, &self.whitener, None, limit)?;
             let deviance = self.stand.deviance_of(bench, subset, &fit);

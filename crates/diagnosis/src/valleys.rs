@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use rig::Paths;
 
-use crate::bench::{Bench, Fitted};
+use crate::bench::{Bench, Fitted, Limit};
 use crate::joint::{MOST_SAMPLES_AFRESH, is_dear};
 use crate::scan::Scan;
 use crate::settled::settle;
@@ -37,10 +37,11 @@ pub(crate) fn deepest(bench: &Bench<'_>, subset: &Subset, stand: Stand) -> Optio
     let starts = with_laws(&fitted.parameters, bench.law_starts(&fitted.model));
     let mut starts = ranked(bench, subset, &whitener, &fitted.model, starts, Paths::NONE);
     starts.truncate(if dear { TAKEN_DEAR } else { TAKEN });
+    let limit = Limit::below(STEPS, fitted.cost_under(bench, subset, &whitener));
     let fits: Vec<Option<(f64, Fitted)>> = starts
         .par_iter()
         .map(|(_, start)| {
-            let fit = bench.fit(subset, &fitted.effects, start, &whitener, None, STEPS)?;
+            let fit = bench.fit(subset, &fitted.effects, start, &whitener, None, limit)?;
             Some((stand.deviance_of(bench, subset, &fit), fit))
         })
         .collect();

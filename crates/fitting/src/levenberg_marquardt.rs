@@ -35,6 +35,8 @@ pub struct Options {
     pub iteration_limit: u64,
     /// First lambda, relative to columns of norm 1. Small for a start that is already near.
     pub initial_damping: f64,
+    /// Where the fit is of use only below a cost: given up once it plainly will not come there.
+    pub below: Option<f64>,
 }
 
 impl Default for Options {
@@ -44,6 +46,7 @@ impl Default for Options {
             step_tolerance: 1e-12,
             iteration_limit: 200,
             initial_damping: 1e-3,
+            below: None,
         }
     }
 }
@@ -64,6 +67,14 @@ const UNDAMPED: f64 = 1e-14;
 /// Damping beyond which no representable step is left.
 const EXHAUSTED: f64 = 1e16;
 
+/// Accepted steps after which a fit that must come below a cost is judged: the first few of one from afar are the long ones.
+const JUDGED_AFTER: u64 = 6;
+/// Times that cost beyond which it has not come near after them.
+const FAR: f64 = 2.5;
+/// Accepted steps after which what the linear model promises counts, and times more than it says that a fit may still save.
+const PROMISED_AFTER: u64 = 2;
+const BEYOND_LINEAR: f64 = 3.0;
+
 /// The solver; [`crate::minimise`] runs it. It can be handed to any [`argmin::core::Executor`] whose problem offers
 /// residuals ([`Operator`]) and, as [`Jacobian`], residuals together with their Jacobian.
 #[derive(Clone, Debug)]
@@ -74,6 +85,8 @@ pub struct LevenbergMarquardt {
     growth: f64,
     scaling: DVector<f64>,
     reduced: Option<Reduced>,
+    /// What the undamped step would save by the linear model.
+    promised: f64,
     status: Option<Status>,
 }
 
@@ -88,6 +101,7 @@ impl LevenbergMarquardt {
             growth: 2.0,
             scaling: DVector::zeros(n),
             reduced: None,
+            promised: f64::INFINITY,
             status: None,
         }
     }
@@ -136,8 +150,18 @@ impl LevenbergMarquardt {
         } else if scaled_step <= self.options.step_tolerance * scaled_point {
             self.status = Some(Status::StepTooSmall);
         }
+        self.promised = gain;
         self.reduced = Some(reduced);
         Ok(())
+    }
+
+    /// Whether a fit will not come below the cost that it must.
+    fn is_hopeless(&self, steps: u64, cost: f64) -> bool {
+        let beyond = |below: f64| {
+            let far = steps >= JUDGED_AFTER && cost > FAR * below;
+            far || steps >= PROMISED_AFTER && cost - BEYOND_LINEAR * self.promised > below
+        };
+        self.options.below.is_some_and(beyond)
     }
 
     /// sqrt(lambda) D, with 1 for D_j = 0 (a parameter that nothing depends on stays put).
@@ -256,8 +280,12 @@ where
     }
 
     fn terminate(&mut self, state: &LmState) -> TerminationStatus {
-        if self.status.is_none() && state.get_iter() >= self.options.iteration_limit {
+        let steps = state.get_iter();
+        if self.status.is_none() && steps >= self.options.iteration_limit {
             self.status = Some(Status::IterationLimit);
+        }
+        if self.status.is_none() && self.is_hopeless(steps, state.get_cost()) {
+            self.status = Some(Status::Hopeless);
         }
         match self.status {
             None => TerminationStatus::NotTerminated,

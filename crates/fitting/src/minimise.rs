@@ -22,6 +22,8 @@ pub enum Status {
     Stalled,
     /// The limit of iterations came first.
     IterationLimit,
+    /// Given up: it would not have come below the cost that it must ([`Options::below`]).
+    Hopeless,
     /// The residuals at the start are not finite.
     NonFiniteStart,
     /// The Jacobian is not finite at a point where the residuals are.
@@ -45,6 +47,7 @@ impl Status {
             Status::ExactFit => "exact-fit",
             Status::Stalled => "stalled",
             Status::IterationLimit => "iteration-limit",
+            Status::Hopeless => "hopeless",
             Status::NonFiniteStart => "non-finite-start",
             Status::NonFiniteJacobian => "non-finite-jacobian",
         }
@@ -59,6 +62,9 @@ impl fmt::Display for Status {
             Status::ExactFit => "converged: the residuals are zero",
             Status::Stalled => "stalled: no step lowers the cost; check the derivatives",
             Status::IterationLimit => "not converged: the limit of iterations came first",
+            Status::Hopeless => {
+                "given up: it would not have come below the cost that it must"
+            }
             Status::NonFiniteStart => "not started: the residuals at the start are not finite",
             Status::NonFiniteJacobian => "stopped: the Jacobian is not finite",
         })
