@@ -11,9 +11,10 @@ use rayon::prelude::*;
 
 use crate::bench::{Bench, Beside, Fitted};
 use crate::joint::{is_dear, search_price};
-use crate::scan::{Scan, extended};
+use crate::scan::Scan;
 use crate::selection::Warm;
 use crate::settled::{settle, settle_in_kind};
+use crate::signatures::extended;
 use crate::stand::Stand;
 use crate::starts::{Record, with_laws};
 use crate::subset::Subset;
@@ -401,7 +402,10 @@ impl Search<'_> {
             let limit = if is_dear(bench, cause) { 20 } else { 60 };
             self.fit(cause, &fit.parameters, limit)
         };
-        let settled = |fit: &Fitted, sizes| settle(bench, subset, fit, &found.with_sizes(sizes));
+        let settled = |fit: &Fitted, sizes| match warm.and_then(|warm| warm.sizes_beneath(fit)) {
+            Some(_) => settle(bench, subset, fit, &found.beneath(fit, warm)),
+            None => settle(bench, subset, fit, &found.with_sizes(sizes)),
+        };
         let worth = |cause: usize, stand: &Stand| stand.deviance + search_price(bench, cause);
         let known = warm.map(|w| w.sizes);
         let best = rough.first().and_then(|(cause, fit)| {

@@ -153,9 +153,7 @@ impl Fitted {
         subset: &Subset,
         whitener: &Whitener,
     ) -> f64 {
-        0.5 * self
-            .white_residual(bench, subset, whitener)
-            .norm_squared()
+        0.5 * self.white_residual(bench, subset, whitener).norm_squared()
     }
 
     /// Measured less predicted, not whitened.

@@ -1,5 +1,7 @@
 //! Forward selection: one cause after the other is taken in beside the law, and all are asked again beside it.
 
+use std::sync::Arc;
+
 use crate::bench::Bench;
 use crate::forms::{plainest, refine_last};
 use crate::general::Lack;
@@ -9,9 +11,10 @@ use crate::left::lack;
 use crate::look_back::{drop_idle, exchange_with_named, look_back};
 use crate::proposal::{Next, Proposal, Seen, cannot_matter};
 use crate::refusal::take_back;
-use crate::scan::{Scan, scan, scan_without};
+use crate::scan::{Scan, scan, scan_knowing};
 use crate::selection::{Depth, MOST_EFFECTS, SHAPE_TOLERANCE, Selected, Single, Warm, strict};
 use crate::settled::{likely_scatter, settle};
+use crate::signatures::Signatures;
 use crate::stand::Stand;
 use crate::subset::Subset;
 use crate::swallowed::swallowed;
@@ -76,6 +79,8 @@ struct Forward<'a, 'b> {
     chosen: Option<Stand>,
     entry: Vec<f64>,
     singles: Vec<Single>,
+    /// Signatures beside it, as they were asked last.
+    beside: Option<Arc<Signatures>>,
     /// Deviance that it explains.
     explained: f64,
     /// Whether the law may still turn out to lie in a valley of its own.
@@ -102,6 +107,7 @@ impl<'a, 'b> Forward<'a, 'b> {
             chosen: None,
             entry: Vec::new(),
             singles: Vec::new(),
+            beside: None,
             explained: 0.0,
             once: true,
         }
@@ -130,8 +136,9 @@ impl<'a, 'b> Forward<'a, 'b> {
         if let Some(whole) = self.whole_campaign() {
             dull.extend_from_slice(&whole.dull);
         }
-        let scatter = likely_scatter(stand);
-        scan_without(self.bench, &self.subset, stand, scatter, &dull)
+        let (bench, scatter) = (self.bench, likely_scatter(stand));
+        let known = (self.whole_campaign()).map_or(&[][..], |whole| &whole.signatures);
+        scan_knowing(bench, &self.subset, stand, scatter, &dull, known)
     }
 
     /// What a round may take in, and the tail probability below which causes were asked; `None` where nothing further is seen.
@@ -168,6 +175,7 @@ impl<'a, 'b> Forward<'a, 'b> {
     /// One round; `None` where a model cannot be computed.
     fn round(&mut self, round: usize) -> Option<Went> {
         let later = self.chosen.as_ref().map(|stand| self.seen_beside(stand));
+        self.beside = later.as_ref().and_then(|later| later.signatures.clone());
         let (stand, found) = match (&self.chosen, &later) {
             (Some(stand), Some(later)) => (stand, later),
             _ => (&self.base, &self.first),
@@ -267,6 +275,7 @@ impl<'a, 'b> Forward<'a, 'b> {
             baseline,
             stand,
             first: self.first,
+            beside: self.beside,
             gate_log_p,
             left,
             entry_log_p: self.entry,

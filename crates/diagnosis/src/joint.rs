@@ -6,7 +6,8 @@ use fitting::noise::Whitener;
 use rayon::prelude::*;
 
 use crate::bench::{Bench, Fitted, Limit};
-use crate::scan::{Candidate, Scan, extended};
+use crate::scan::{Candidate, Scan};
+use crate::signatures::extended;
 use crate::stand::Stand;
 use crate::starts::{ranked, with_laws};
 use crate::subset::Subset;

@@ -109,7 +109,7 @@ impl<'a> Contender<'a> {
     /// The fit with the noise beneath it; `None` where no noise can be told.
     fn stand(&self, subset: &Subset) -> Option<Stand> {
         let (bench, sizes) = (&self.bench, self.bench.first_sizes());
-        under_its_noise(bench, subset, self.fitted.clone(), sizes, false)
+        under_its_noise(bench, subset, self.fitted.clone(), sizes, None)
     }
 
     /// Fits under noise of the judge's sizes that multiplies the fit's own friction, until the likelihood rises no more.

@@ -63,6 +63,7 @@ mod scrambled;
 mod selection;
 mod settled;
 mod shifts;
+mod signatures;
 mod spikes;
 mod stand;
 mod starts;

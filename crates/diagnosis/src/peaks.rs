@@ -7,7 +7,8 @@ use crate::bench::Bench;
 use crate::comb::Comb;
 use crate::periodic::{Family, Information, Peak};
 use crate::samples::Samples;
-use crate::scan::{period, tangent};
+use crate::scan::period;
+use crate::signatures::tangent;
 use crate::stand::Stand;
 use crate::subset::Subset;
 

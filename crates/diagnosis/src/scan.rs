@@ -4,16 +4,18 @@
 //! constant, wavelength) on a grid, and, because some causes are far from linear, the chord to a plausible size. All
 //! shapes of a cause pay together for the search by the length of the path that their signatures draw.
 
+use std::sync::Arc;
+
 use fitting::noise::Sizes;
 use nalgebra::{DMatrix, DVectorView};
 use rayon::prelude::*;
-use rig::Model;
 
 use crate::bench::{Bench, Fitted};
 use crate::ground::{Direction, Score, angle, look_elsewhere};
 use crate::joint::{is_dear, is_second_form};
 use crate::peaks::{Line, Peaks};
 use crate::selection::Warm;
+use crate::signatures::{Signature, Signatures, chord, tangent};
 use crate::stand::Stand;
 use crate::subset::Subset;
 
@@ -29,17 +31,6 @@ pub(crate) struct Candidate {
     pub(crate) log_p: f64,
     /// Size of the first size parameter for one unit of the score's coefficients.
     pub(crate) unit: f64,
-}
-
-/// One signature of a cause, all samples.
-pub(crate) struct Signature {
-    cause: usize,
-    /// Cause's parameters at which it was taken.
-    at: Vec<f64>,
-    /// Raw columns.
-    pub(crate) columns: DMatrix<f64>,
-    /// Size that one unit of the first column stands for, where it is a chord.
-    chord: Option<Vec<f64>>,
 }
 
 /// A cause's signature, whitened and projected.
@@ -72,6 +63,10 @@ pub(crate) struct Scan {
     pub(crate) absorbed: Vec<usize>,
     /// Sizes of the noise under which it was made.
     pub(crate) sizes: Option<Sizes>,
+    /// Whether the kind of the noise to be searched is theirs: what nearly the same data have decided.
+    pub(crate) of_their_kind: bool,
+    /// The signatures that were asked, for scans beside fits that are nearly the same.
+    pub(crate) signatures: Option<Arc<Signatures>>,
 }
 
 impl Scan {
@@ -84,6 +79,8 @@ impl Scan {
             smooth: DMatrix::zeros(bench.samples.len(), 0),
             absorbed: Vec::new(),
             sizes,
+            of_their_kind: false,
+            signatures: None,
         }
     }
 }
@@ -105,10 +102,14 @@ impl Scan {
             .map(|c| c.cause)
     }
 
-    /// The same scan for the noise beneath a fit: searched from where another selection has ended with the fit's causes, if it has.
+    /// The same scan for the noise beneath a fit: searched from where another selection has ended with the fit's causes, if it has, and of the
+    /// kind that it has found.
     pub(crate) fn beneath(&self, fit: &Fitted, warm: Option<&Warm>) -> Self {
         let known = warm.and_then(|warm| warm.sizes_beneath(fit));
-        self.with_sizes(known.or(self.sizes))
+        Self {
+            of_their_kind: known.is_some(),
+            ..self.with_sizes(known.or(self.sizes))
+        }
     }
 
     /// The same scan for a noise that is to be searched from other sizes (`None`: from scratch).
@@ -120,66 +121,10 @@ impl Scan {
             smooth: self.smooth.clone(),
             absorbed: Vec::new(),
             sizes,
+            of_their_kind: false,
+            signatures: None,
         }
     }
-}
-
-/// The model of a fit with one more cause, and the parameters with the cause at `own`.
-pub(crate) fn extended(
-    bench: &Bench<'_>,
-    fitted: &Fitted,
-    cause: usize,
-    own: &[f64],
-) -> Option<(Model, Vec<f64>)> {
-    let mut effects = fitted.effects.clone();
-    effects.push(cause);
-    let model = bench.model(&effects)?;
-    let end = fitted.model.initial_states().start;
-    let mut p = fitted.parameters[..end].to_vec();
-    p.extend_from_slice(own);
-    p.extend_from_slice(&fitted.parameters[end..]);
-    Some((model, p))
-}
-
-/// Signature of a cause at given shape (its sizes at zero).
-pub(crate) fn tangent(
-    bench: &Bench<'_>,
-    fitted: &Fitted,
-    cause: usize,
-    at: &[f64],
-) -> Option<Signature> {
-    let (model, p) = extended(bench, fitted, cause, at)?;
-    let first = fitted.model.initial_states().start;
-    let columns: Vec<usize> = bench.catalogue[cause]
-        .sizes()
-        .iter()
-        .map(|i| first + i)
-        .collect();
-    let paths = fitted.paths(bench);
-    let jacobian = model.jacobian_beside(&bench.experiment, &p, &columns, paths);
-    jacobian.iter().all(|x| x.is_finite()).then_some(Signature {
-        cause,
-        at: at.to_vec(),
-        columns: jacobian,
-        chord: None,
-    })
-}
-
-/// The chord from the fit to a plausible size of a cause.
-fn chord(bench: &Bench<'_>, fitted: &Fitted, cause: usize, at: &[f64]) -> Option<Signature> {
-    let (model, p) = extended(bench, fitted, cause, at)?;
-    let there = model.predict_beside(&bench.experiment, &p, fitted.paths(bench));
-    let columns = DMatrix::from_iterator(
-        there.len(),
-        1,
-        there.iter().zip(&fitted.prediction).map(|(a, b)| a - b),
-    );
-    columns.iter().all(|x| x.is_finite()).then_some(Signature {
-        cause,
-        at: at.to_vec(),
-        columns,
-        chord: Some(at.to_vec()),
-    })
 }
 
 /// Chords of a cause that is not periodic: at most this many.
@@ -221,8 +166,20 @@ pub(crate) fn scan_without(
     scatter: f64,
     skipped: &[usize],
 ) -> Scan {
+    scan_knowing(bench, subset, stand, scatter, skipped, &[])
+}
+
+/// The same with signatures that may be known already.
+pub(crate) fn scan_knowing(
+    bench: &Bench<'_>,
+    subset: &Subset,
+    stand: &Stand,
+    scatter: f64,
+    skipped: &[usize],
+    known: &[Arc<Signatures>],
+) -> Scan {
     let peaks = Peaks::find(bench, subset, stand, scatter, skipped);
-    scan_with(bench, subset, stand, &peaks, skipped)
+    scan_with(bench, subset, stand, &peaks, skipped, known)
 }
 
 /// One periodic cause at the lines of the residual and at the neighbours of one.
@@ -239,7 +196,7 @@ pub(crate) fn scan_period(
     if let Some(frequency) = frequency(bench, cause, at) {
         peaks = peaks.with_neighbours(bench, cause, frequency);
     }
-    scan_with(bench, subset, stand, &peaks, &others)
+    scan_with(bench, subset, stand, &peaks, &others, &[])
 }
 
 /// The signatures of all causes where there is no residual to search: periods in the middle of their range.
@@ -250,11 +207,18 @@ pub(crate) fn scan_nominal(
     scatter: f64,
 ) -> Scan {
     let peaks = Peaks::find(bench, subset, stand, scatter, &[]).with_periods(bench, 20.0);
-    scan_with(bench, subset, stand, &peaks, &[])
+    scan_with(bench, subset, stand, &peaks, &[], &[])
 }
 
-/// Raw columns of the causes without a period beside a fit, one tangent each: what the noise's mean may hold.
-pub(crate) fn smooth_beside(bench: &Bench<'_>, fitted: &Fitted) -> DMatrix<f64> {
+/// Raw columns of the causes without a period beside a fit, one tangent each: what the noise's mean may hold. `known`: signatures that may serve.
+pub(crate) fn smooth_beside(
+    bench: &Bench<'_>,
+    fitted: &Fitted,
+    known: &[Arc<Signatures>],
+) -> DMatrix<f64> {
+    if let Some(known) = known.iter().find(|known| known.serve(fitted)) {
+        return smooth_columns(bench, known.all());
+    }
     let tasks: Vec<Task> = tasks(bench, fitted, &Peaks::none(), &[])
         .tasks
         .into_iter()
@@ -265,15 +229,16 @@ pub(crate) fn smooth_beside(bench: &Bench<'_>, fitted: &Fitted) -> DMatrix<f64> 
         .collect();
     // A cause's further shapes are only asked where its first has no finite tangent.
     let groups: Vec<&[Task]> = tasks.chunk_by(|a, b| a.0 == b.0).collect();
-    let found: Vec<Option<Signature>> = groups
+    let found: Vec<Option<Arc<Signature>>> = groups
         .par_iter()
         .map(|group| {
             group
                 .iter()
                 .find_map(|(cause, at, _)| tangent(bench, fitted, *cause, at))
+                .map(Arc::new)
         })
         .collect();
-    let signatures: Vec<Signature> = found.into_iter().flatten().collect();
+    let signatures: Vec<Arc<Signature>> = found.into_iter().flatten().collect();
     smooth_columns(bench, &signatures)
 }
 
@@ -283,28 +248,28 @@ fn scan_with(
     stand: &Stand,
     peaks: &Peaks,
     skipped: &[usize],
+    known: &[Arc<Signatures>],
 ) -> Scan {
     let fitted = &stand.fitted;
+    let known = known.iter().find(|known| known.serve(fitted));
     let Tasks {
         tasks,
         paths,
         shifts,
     } = tasks(bench, fitted, peaks, skipped);
-    let signatures: Vec<Option<Signature>> = tasks
-        .par_iter()
-        .map(|(cause, at, is_chord)| {
-            if *is_chord {
-                chord(bench, fitted, *cause, at)
-            } else {
-                tangent(bench, fitted, *cause, at)
-            }
-        })
-        .collect();
-    let signatures: Vec<Signature> = signatures.into_iter().flatten().collect();
+    let signature = |(cause, at, is_chord): &Task| {
+        if let Some(known) = known.and_then(|known| known.of(*cause, at, *is_chord)) {
+            return Some(Arc::clone(known));
+        }
+        let asked = if *is_chord { chord } else { tangent };
+        asked(bench, fitted, *cause, at).map(Arc::new)
+    };
+    let signatures: Vec<Option<Arc<Signature>>> = tasks.par_iter().map(signature).collect();
+    let signatures: Vec<Arc<Signature>> = signatures.into_iter().flatten().collect();
     let smooth = smooth_columns(bench, &signatures);
     let white = white_signatures(subset, stand, &signatures);
     let rays: Vec<Option<(Ray, Score)>> = signatures
-        .into_par_iter()
+        .par_iter()
         .zip(white)
         .map(|(signature, white)| {
             let direction = stand.ground.direction(&white)?;
@@ -314,8 +279,8 @@ fn scan_with(
             Some((
                 Ray {
                     cause: signature.cause,
-                    at: signature.at,
-                    chord: signature.chord,
+                    at: signature.at.clone(),
+                    chord: signature.chord.clone(),
                     direction,
                 },
                 score,
@@ -326,12 +291,17 @@ fn scan_with(
     let mut found = collect(bench, rays, &tasks, &paths, smooth);
     found.absorbed.extend(shifts);
     found.sizes = Some(stand.sizes);
+    found.signatures = Some(Arc::new(Signatures::beside(fitted, signatures)));
     found
 }
 
 /// Whitened columns of each signature. Whitening several columns side by side costs little more than one: all signatures go
 /// through it together.
-fn white_signatures(subset: &Subset, stand: &Stand, signatures: &[Signature]) -> Vec<DMatrix<f64>> {
+fn white_signatures(
+    subset: &Subset,
+    stand: &Stand,
+    signatures: &[Arc<Signature>],
+) -> Vec<DMatrix<f64>> {
     let columns: Vec<DVectorView<'_, f64>> = signatures
         .iter()
         .flat_map(|signature| signature.columns.column_iter())
@@ -516,6 +486,8 @@ fn collect(
         smooth,
         absorbed,
         sizes: None,
+        of_their_kind: false,
+        signatures: None,
     }
 }
 
@@ -556,7 +528,7 @@ fn start_from(bench: &Bench<'_>, ray: &Ray, score: &Score) -> Vec<f64> {
 }
 
 /// One tangent of each cause without a period, in its plainest form: what the noise's mean may hold.
-fn smooth_columns(bench: &Bench<'_>, signatures: &[Signature]) -> DMatrix<f64> {
+fn smooth_columns(bench: &Bench<'_>, signatures: &[Arc<Signature>]) -> DMatrix<f64> {
     let n = bench.samples.len();
     let mut columns = Vec::new();
     let mut last = usize::MAX;

@@ -6,14 +6,17 @@
 //! 4. Before a second cause stays, every other cause is asked to do better alone than the pair (the near miss), and
 //!    each cause of the set to do without, or to be replaced.
 
+use std::sync::Arc;
+
 use fitting::noise::Sizes;
 
 use crate::bench::{Bench, Fitted};
 use crate::forward::select_beside;
 use crate::general::Lack;
 use crate::lateness::Lateness;
-use crate::scan::{Scan, scan_without};
+use crate::scan::{Scan, scan_knowing};
 use crate::settled::{law_alone, likely_scatter};
+use crate::signatures::Signatures;
 use crate::stand::Stand;
 use crate::subset::Subset;
 
@@ -50,6 +53,8 @@ pub(crate) struct Selected {
     pub(crate) stand: Stand,
     /// Scan beside the law alone.
     pub(crate) first: Scan,
+    /// Signatures beside the causes that were taken in, as they were asked last.
+    pub(crate) beside: Option<Arc<Signatures>>,
     /// Tail probability of the campaign being noise, causes and general alternative together.
     pub(crate) gate_log_p: f64,
     /// What is left beside the final model.
@@ -76,7 +81,7 @@ pub(crate) enum Start<'a> {
 }
 
 impl<'a> Start<'a> {
-    fn warm(self) -> Option<&'a Warm> {
+    pub(crate) fn warm(self) -> Option<&'a Warm> {
         match self {
             Self::Near(warm) => Some(warm),
             Self::Scratch | Self::Law(_) => None,
@@ -103,6 +108,8 @@ pub(crate) struct Warm {
     pub(crate) late: Lateness,
     /// Whether the plate turns.
     pub(crate) turns: bool,
+    /// Signatures beside the law alone, and beside the named causes.
+    pub(crate) signatures: Vec<Arc<Signatures>>,
 }
 
 impl Warm {
@@ -160,6 +167,9 @@ impl Selected {
             asked: self.first.asked,
             late: self.subset.lateness(),
             turns: self.subset.turns(),
+            signatures: (self.first.signatures.iter().chain(&self.beside))
+                .map(Arc::clone)
+                .collect(),
         }
     }
 }
@@ -180,7 +190,8 @@ fn baseline(
     let scatter = likely_scatter(&stand);
     let whole = start.warm().filter(|_| depth == Depth::Fold);
     let dull = whole.map_or(&[][..], |whole| &whole.dull);
-    let mut found = scan_without(bench, subset, &stand, scatter, dull);
+    let known = whole.map_or(&[][..], |whole| &whole.signatures);
+    let mut found = scan_knowing(bench, subset, &stand, scatter, dull, known);
     // What a fold names is named among all that the whole campaign asked.
     found.asked = found.asked.max(whole.map_or(0, |whole| whole.asked));
     Some((stand, found))

@@ -5,7 +5,7 @@ use fitting::noise::{Search, Sizes, Whitener};
 use crate::bench::{Bench, Fitted};
 use crate::joint::is_dear;
 use crate::scan::{Scan, smooth_beside};
-use crate::selection::Start;
+use crate::selection::{Start, Warm};
 use crate::stand::{Likelihood, Stand};
 use crate::steps::levelled;
 use crate::subset::Subset;
@@ -35,28 +35,29 @@ pub(crate) fn law_alone(bench: &Bench<'_>, subset: &Subset, start: Start<'_>) ->
             bench.fit(subset, &[], &start, &whitener, None, 20)?
         }
     };
-    let known = matches!(start, Start::Near(_));
-    under_its_noise(bench, subset, fitted, first_sizes, known)
+    under_its_noise(bench, subset, fitted, first_sizes, start.warm())
 }
 
-/// A fit, the noise beneath it, and the fit under that noise. `known`: whether the first sizes are those of a noise and not only
-/// something to begin with.
+/// A fit, the noise beneath it, and the fit under that noise. `warm`: another selection on nearly the same data, where the first sizes are those
+/// of its noise, whose kind is this one's, and not only something to begin with.
 pub(crate) fn under_its_noise(
     bench: &Bench<'_>,
     subset: &Subset,
     fitted: Fitted,
     first_sizes: Sizes,
-    known: bool,
+    warm: Option<&Warm>,
 ) -> Option<Stand> {
     let mut sizes = first_sizes;
     let mut stand = Stand::new(bench, subset, fitted, sizes);
-    let rounds: &[fn(Sizes) -> Search] = if known {
-        &[Search::Again]
-    } else {
-        &[|_| Search::Near, Search::Onward]
-    };
+    if let Some(warm) = warm {
+        let smooth = smooth_beside(bench, &stand.fitted, &warm.signatures);
+        let (fitted, jacobian) = (&stand.fitted, &stand.jacobian);
+        let sizes = bench.noise_of_their_kind(subset, fitted, jacobian, &smooth, sizes);
+        return refit(bench, subset, fitted, &sizes);
+    }
+    let rounds: [fn(Sizes) -> Search; 2] = [|_| Search::Near, Search::Onward];
     for search in rounds {
-        let smooth = smooth_beside(bench, &stand.fitted);
+        let smooth = smooth_beside(bench, &stand.fitted, &[]);
         let noise = bench.noise(
             subset,
             &stand.fitted,
@@ -95,6 +96,9 @@ pub(crate) fn settle(
     fit: &Fitted,
     found: &Scan,
 ) -> Option<Stand> {
+    if let Some(sizes) = found.sizes.filter(|_| found.of_their_kind) {
+        return settle_in_kind(bench, subset, fit, found, sizes);
+    }
     let (jacobian, _) = bench.jacobian(subset, fit);
     let search = found.sizes.map_or(Search::Scratch, Search::Again);
     let noise = bench.noise(subset, fit, &jacobian, &found.smooth, search);

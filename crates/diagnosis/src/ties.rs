@@ -9,7 +9,8 @@ use crate::answer::Undecidable;
 use crate::bench::Bench;
 use crate::equivalence::{flattened, sine};
 use crate::experiment::{Hypothesis, Proposal, propose};
-use crate::scan::{Scan, extended, scan_without};
+use crate::scan::{Scan, scan_without};
+use crate::signatures::extended;
 use crate::stand::Stand;
 use crate::subset::Subset;
 

@@ -62,9 +62,7 @@ impl fmt::Display for Status {
             Status::ExactFit => "converged: the residuals are zero",
             Status::Stalled => "stalled: no step lowers the cost; check the derivatives",
             Status::IterationLimit => "not converged: the limit of iterations came first",
-            Status::Hopeless => {
-                "given up: it would not have come below the cost that it must"
-            }
+            Status::Hopeless => "given up: it would not have come below the cost that it must",
             Status::NonFiniteStart => "not started: the residuals at the start are not finite",
             Status::NonFiniteJacobian => "stopped: the Jacobian is not finite",
         })
