@@ -346,7 +346,8 @@ fn tasks(bench: &Bench<'_>, fitted: &Fitted, peaks: &Peaks, skipped: &[usize]) -
         }
         // Another form of a cause in the model is no further cause.
         let known = fitted.names(bench, cause) || effect.is_data_integrity();
-        if known || effect.refines() || skipped.contains(&cause) {
+        let scaled = is_a_named_one_scaled(bench, fitted, cause);
+        if known || scaled || effect.refines() || skipped.contains(&cause) {
             continue;
         }
         if effect.is_periodic() {
@@ -406,6 +407,17 @@ pub(crate) fn is_shift(bench: &Bench<'_>, cause: usize) -> bool {
         "force-gain" => bench.experiment.moving_mass_kg == 0.0,
         _ => false,
     }
+}
+
+/// Whether a cause is another size of one in the model, the law scaled: a gain g on a mass M + m is, where the law is free, a mass
+/// (1 + g) (M + m), whatever g and m are.
+fn is_a_named_one_scaled(bench: &Bench<'_>, fitted: &Fitted, cause: usize) -> bool {
+    let other = match bench.catalogue[cause].id() {
+        "force-gain" => "moving-inertia",
+        "moving-inertia" => "force-gain",
+        _ => return false,
+    };
+    bench.prior.is_none() && fitted.ids(bench).contains(&other)
 }
 
 /// Best ray of each cause, with its path paid for.
@@ -546,5 +558,53 @@ fn smooth_columns(bench: &Bench<'_>, signatures: &[Arc<Signature>]) -> DMatrix<f
         DMatrix::zeros(n, 0)
     } else {
         DMatrix::from_columns(&columns)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Options;
+    use crate::bench::Beside;
+    use crate::prepare::{self, stand_in};
+
+    /// Beside the law alone a stated mass tells a gain; beside a mass that is off by something the gain is that mass once more, and the other
+    /// way round.
+    #[test]
+    fn a_gain_and_a_mass_are_not_asked_beside_one_another() {
+        let mut campaign = stand_in("brush-2x2-aluminium");
+        campaign.rig.moving_mass_kg = Some(1.5);
+        let bench = prepare::bench(&campaign, &Options::default()).expect("a bench");
+        let place = |id: &str| {
+            let mut ids = bench.catalogue.iter().map(|cause| cause.id());
+            ids.position(|own| own == id).expect("in it")
+        };
+        let (gain, mass, lag) = (
+            place("force-gain"),
+            place("moving-inertia"),
+            place("sensor-lag"),
+        );
+        let beside = |effects: Vec<usize>| {
+            let model = bench.model(&effects).expect("a model");
+            let law = bench.law_starts(&bench.model(&[]).expect("a law"))[0].clone();
+            let parameters = model.at_null(&law[..model.law_parameters()], &bench.experiment);
+            Fitted {
+                effects,
+                prediction: Vec::new(),
+                model,
+                parameters,
+                cost: 0.0,
+                converged: true,
+                beside: Beside::default(),
+            }
+        };
+        let asked = |effects: Vec<usize>| -> [bool; 3] {
+            let Tasks { tasks, .. } = tasks(&bench, &beside(effects), &Peaks::none(), &[]);
+            [gain, mass, lag].map(|cause| tasks.iter().any(|task| task.0 == cause))
+        };
+        assert_eq!(asked(vec![]), [true, true, true]);
+        assert_eq!(asked(vec![mass]), [false, false, true]);
+        assert_eq!(asked(vec![gain]), [false, false, true]);
+        assert_eq!(asked(vec![lag]), [true, true, false]);
     }
 }

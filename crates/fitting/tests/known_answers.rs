@@ -161,6 +161,29 @@ fn few_iterations_are_named_as_such() {
     assert_eq!(fit.iterations, 2);
 }
 
+/// The same valley on a floor of 4.5. Where the fit must come below 5 it ends where it would have ended, bit for bit; where it must come below 1 it
+/// is given up on the way, for fewer evaluations.
+#[test]
+fn a_fit_that_will_not_come_below_what_it_must_is_given_up() {
+    let on_a_floor = Closures(
+        |p: &[f64]| vec![10.0 * (p[1] - p[0] * p[0]), 1.0 - p[0], 3.0],
+        |p: &[f64]| DMatrix::from_row_slice(3, 2, &[-20.0 * p[0], 10.0, -1.0, 0.0, 0.0, 0.0]),
+    );
+    let [unbounded, reached, hopeless] = [None, Some(5.0), Some(1.0)].map(|below| {
+        let options = Options {
+            below,
+            ..Options::default()
+        };
+        minimise(&on_a_floor, &[-1.2, 1.0], &Bounds::free(2), &options).unwrap()
+    });
+    assert!(unbounded.status.converged() && (unbounded.cost - 4.5).abs() < 1e-12);
+    assert_eq!(reached.parameters, unbounded.parameters);
+    assert_eq!(reached.evaluations, unbounded.evaluations);
+    assert_eq!(hopeless.status, Status::Hopeless);
+    assert!(!hopeless.status.converged());
+    assert!(hopeless.cost > 4.5 && hopeless.evaluations < unbounded.evaluations);
+}
+
 /// r = a exp(-b t) c - y: the ray (s a, b, c / s) is flat. The solver ends on it, says that there is no covariance, and the
 /// profile of `a` stays at zero on both sides.
 #[test]
