@@ -402,9 +402,9 @@ impl Search<'_> {
             let limit = if is_dear(bench, cause) { 20 } else { 60 };
             self.fit(cause, &fit.parameters, limit)
         };
-        let settled = |fit: &Fitted, sizes| match warm.and_then(|warm| warm.sizes_beneath(fit)) {
-            Some(_) => settle(bench, subset, fit, &found.beneath(fit, warm)),
-            None => settle(bench, subset, fit, &found.with_sizes(sizes)),
+        let settled = |fit: &Fitted, sizes| {
+            let asked = found.with_sizes(sizes).beneath(fit, warm);
+            settle(bench, subset, fit, &asked)
         };
         let worth = |cause: usize, stand: &Stand| stand.deviance + search_price(bench, cause);
         let known = warm.map(|w| w.sizes);
@@ -417,7 +417,7 @@ impl Search<'_> {
             let Some((first, best)) = &best else {
                 return Some((*cause, settled(&fit, known)?));
             };
-            let stand = settle_in_kind(bench, subset, &fit, found, best.sizes)?;
+            let stand = settle_in_kind(bench, subset, &fit, &found.smooth, best.sizes)?;
             let behind = worth(*cause, &stand) - worth(*first, best);
             if behind > FAR_BEHIND {
                 return Some((*cause, stand));

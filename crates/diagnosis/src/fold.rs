@@ -4,13 +4,13 @@ use std::collections::BTreeSet;
 
 use nalgebra::DMatrix;
 
+use crate::asked::is_shift;
 use crate::bench::{Bench, Fitted};
 use crate::forms::as_named;
 use crate::ground::orthonormal;
 use crate::left::lack;
 use crate::look_back::bare;
 use crate::refusal::take_back;
-use crate::scan::is_shift;
 use crate::scrambled::placebos;
 use crate::selection::{Depth, Selected, Start, Warm, select};
 use crate::settled::{law_alone, likely_scatter};
@@ -148,8 +148,8 @@ pub(crate) fn fold(
 /// whatever form and as whichever of those that cannot be told from it.
 fn keeps_names(bench: &Bench<'_>, mut own: Selected, sets: &[Vec<usize>]) -> bool {
     let set_of = |id: &str| {
-        let holds = |set: &&Vec<usize>| set.iter().any(|&c| bench.catalogue[c].id() == id);
-        sets.iter().position(|set| holds(&set))
+        let holds = |set: &Vec<usize>| set.iter().any(|&c| bench.catalogue[c].id() == id);
+        sets.iter().position(holds)
     };
     let ids = own.stand.fitted.ids(bench);
     let seen: Option<BTreeSet<usize>> = ids.iter().map(|id| set_of(id)).collect();

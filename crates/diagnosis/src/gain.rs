@@ -14,12 +14,12 @@
 use rayon::prelude::*;
 
 use crate::answer::{Diagnosis, Gain};
+use crate::asked::is_shift;
 use crate::bench::Bench;
 use crate::fold::{Asked, Fold, fold};
 use crate::folds::folds;
 use crate::joint::forms_of;
 use crate::judged::{Errors, Judged};
-use crate::scan::is_shift;
 use crate::scrambled::scrambled;
 use crate::selection::Selected;
 use crate::weighed::{Weighed, beside_repeats};

@@ -94,21 +94,23 @@ impl Joint<'_, '_> {
 
     /// The best fit and its deviance under the stand's noise. Of many starts all are fitted for a few steps, and the best of these on.
     fn best(&self, mut from: Vec<Vec<f64>>, limit: u64) -> Option<(Fitted, f64)> {
+        // A cause that does nothing costs no more than this.
+        let without = (self.stand.fitted).cost_under(self.bench, self.subset, &self.whitener);
         if from.len() > LINES_FITTED_ON {
-            let first = self.fits(&from, FIRST_STEPS).into_iter();
+            let first = Limit::below(FIRST_STEPS, without);
+            let first = self.fits(&from, first).into_iter();
             let on = first.take(LINES_FITTED_ON);
             from = on.map(|(fit, _)| fit.parameters).collect();
         }
-        self.fits(&from, limit).into_iter().next()
+        let on = Limit::below(limit, without);
+        self.fits(&from, on).into_iter().next()
     }
 
     /// Fits from these starts, best first.
-    fn fits(&self, from: &[Vec<f64>], limit: u64) -> Vec<(Fitted, f64)> {
+    fn fits(&self, from: &[Vec<f64>], limit: Limit) -> Vec<(Fitted, f64)> {
         let (bench, subset) = (self.bench, self.subset);
         let mut effects = self.stand.fitted.effects.clone();
         effects.push(self.candidate.cause);
-        let without = (self.stand.fitted).cost_under(bench, subset, &self.whitener);
-        let limit = Limit::below(limit, without);
         let fit = |start: &Vec<f64>| {
             let fit = bench.fit(subset, &effects, start, &self.whitener, None, limit)?;
             let deviance = self.stand.deviance_of(bench, subset, &fit);

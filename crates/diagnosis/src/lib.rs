@@ -8,6 +8,7 @@
 mod afresh;
 mod anatomy;
 pub mod answer;
+mod asked;
 mod assemble;
 mod bench;
 mod bursts;

@@ -1,6 +1,7 @@
 //! A model under its own noise: fitted, the noise estimated beside it, fitted again.
 
 use fitting::noise::{Search, Sizes, Whitener};
+use nalgebra::DMatrix;
 
 use crate::bench::{Bench, Fitted};
 use crate::joint::is_dear;
@@ -47,14 +48,12 @@ pub(crate) fn under_its_noise(
     first_sizes: Sizes,
     warm: Option<&Warm>,
 ) -> Option<Stand> {
+    if let Some(warm) = warm {
+        let smooth = smooth_beside(bench, &fitted, &warm.signatures);
+        return settle_in_kind(bench, subset, &fitted, &smooth, first_sizes);
+    }
     let mut sizes = first_sizes;
     let mut stand = Stand::new(bench, subset, fitted, sizes);
-    if let Some(warm) = warm {
-        let smooth = smooth_beside(bench, &stand.fitted, &warm.signatures);
-        let (fitted, jacobian) = (&stand.fitted, &stand.jacobian);
-        let sizes = bench.noise_of_their_kind(subset, fitted, jacobian, &smooth, sizes);
-        return refit(bench, subset, fitted, &sizes);
-    }
     let rounds: [fn(Sizes) -> Search; 2] = [|_| Search::Near, Search::Onward];
     for search in rounds {
         let smooth = smooth_beside(bench, &stand.fitted, &[]);
@@ -97,7 +96,7 @@ pub(crate) fn settle(
     found: &Scan,
 ) -> Option<Stand> {
     if let Some(sizes) = found.sizes.filter(|_| found.of_their_kind) {
-        return settle_in_kind(bench, subset, fit, found, sizes);
+        return settle_in_kind(bench, subset, fit, &found.smooth, sizes);
     }
     let (jacobian, _) = bench.jacobian(subset, fit);
     let search = found.sizes.map_or(Search::Scratch, Search::Again);
@@ -105,15 +104,15 @@ pub(crate) fn settle(
     refit(bench, subset, fit, &noise.sizes)
 }
 
-/// The same with noise of just the kind of these sizes.
+/// The same with noise of just the kind of these sizes, whose mean may hold the columns `within`.
 pub(crate) fn settle_in_kind(
     bench: &Bench<'_>,
     subset: &Subset,
     fit: &Fitted,
-    found: &Scan,
+    within: &DMatrix<f64>,
     sizes: Sizes,
 ) -> Option<Stand> {
     let (jacobian, _) = bench.jacobian(subset, fit);
-    let sizes = bench.noise_of_their_kind(subset, fit, &jacobian, &found.smooth, sizes);
+    let sizes = bench.noise_of_their_kind(subset, fit, &jacobian, within, sizes);
     refit(bench, subset, fit, &sizes)
 }

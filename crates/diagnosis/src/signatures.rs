@@ -21,6 +21,23 @@ pub(crate) struct Signature {
     pub(crate) chord: Option<Vec<f64>>,
 }
 
+impl Signature {
+    /// `None` where the columns leave the numbers.
+    fn new(
+        cause: usize,
+        at: &[f64],
+        columns: DMatrix<f64>,
+        chord: Option<Vec<f64>>,
+    ) -> Option<Self> {
+        columns.iter().all(|x| x.is_finite()).then(|| Self {
+            cause,
+            at: at.to_vec(),
+            columns,
+            chord,
+        })
+    }
+}
+
 /// The model of a fit with one more cause, and the parameters with the cause at `own`.
 pub(crate) fn extended(
     bench: &Bench<'_>,
@@ -54,12 +71,7 @@ pub(crate) fn tangent(
         .collect();
     let paths = fitted.paths(bench);
     let jacobian = model.jacobian_beside(&bench.experiment, &p, &columns, paths);
-    jacobian.iter().all(|x| x.is_finite()).then_some(Signature {
-        cause,
-        at: at.to_vec(),
-        columns: jacobian,
-        chord: None,
-    })
+    Signature::new(cause, at, jacobian, None)
 }
 
 /// The chord from the fit to a plausible size of a cause.
@@ -76,12 +88,7 @@ pub(crate) fn chord(
         1,
         there.iter().zip(&fitted.prediction).map(|(a, b)| a - b),
     );
-    columns.iter().all(|x| x.is_finite()).then_some(Signature {
-        cause,
-        at: at.to_vec(),
-        columns,
-        chord: Some(at.to_vec()),
-    })
+    Signature::new(cause, at, columns, Some(at.to_vec()))
 }
 
 /// Signatures beside one fit.
