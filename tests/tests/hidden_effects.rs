@@ -281,6 +281,17 @@ fn second_forms_are_named_like_the_first() {
     assert_none(&complaints(&trials, &[Verdict::Right]));
 }
 
+/// A cord that hardens swings as stiffly as its tension makes it: with the stiffness of the slack cord what is left of the noise was a texture of
+/// 2 mm, with which the cord itself was taken back. (The draw is a development trial of the benchmark that was refused.)
+#[test]
+fn a_cord_that_hardens_is_named() {
+    let case = Case::nothing(Protocol::Rich, NoiseKind::Usual, 1_003_562)
+        .of_specimen(1_500_000)
+        .with("cord-compliance", 1.0, true);
+    let cord = trial(Group::SecondShape, case, 5.0, None);
+    assert_none(&complaints(&[cord], &[Verdict::Right]));
+}
+
 /// A gap is crossed between two samples: the likelihood of its width has treads, and the interval spans the one it is on. Of four
 /// campaigns one may lie outside: right 95 % intervals miss two of four in one draw of seventy, those of the curvature at a
 /// tread's edge miss most.

@@ -258,9 +258,16 @@ fn ring_of(bench: &Bench<'_>, fitted: &Fitted, k: usize) -> Option<Ring> {
     let span = run.time_s.last()? - run.time_s.first()?;
     let spring = Spring {
         mass_kg: held.mass,
-        compliance_m_n: held.compliance,
+        compliance_m_n: held.compliance_at(level_n(bench, fitted, k)),
         damping_n_s_m: held.damping,
         friction_n_s_m,
     };
     Ring::new(&spring, span / (run.len() - 1).max(1) as f64)
+}
+
+/// Root mean square of the predicted force in a run, N: the tension about which the specimen swings.
+fn level_n(bench: &Bench<'_>, fitted: &Fitted, k: usize) -> f64 {
+    let run = &fitted.prediction[bench.samples.runs[k].clone()];
+    let squares: f64 = run.iter().map(|force| force * force).sum();
+    (squares / run.len().max(1) as f64).sqrt()
 }

@@ -5,14 +5,15 @@
 //!
 //! ```text
 //! z'   = f(z, V - u)                      the law's state
-//! C q' = u                                q: elastic tension, N
+//! C w' = u                                w: the stretch over C, N
+//! q    = w (1 + h w^2 / 3)                q: elastic tension, N; stiffness (1 + h w^2) / C
 //! m u' = P(z, V - u) - q - d u            m: mass on the cord, kg
 //! recorded tension = q + d u
 //! ```
 //!
 //! C = 0 is the rigid chain (u = 0, q = P), m = 0 a cord without mass: both are algebraic limits of the same system,
-//! so derivatives exist at the null. Radau IIA solves M y' = F(y) with the singular M as it stands (Hairer and Wanner
-//! II, VI.1). Units: m, m/s, N, kg. Errors: steps keep the error estimate of z, q and the tension below 4e-6 of their size; between
+//! so derivatives exist at the null. h = 0 is a straight spring (q = w), h > 0 a cord that hardens (Duffing's cubic spring). Radau IIA solves M y' = F(y) with the singular M as it stands (Hairer and Wanner
+//! II, VI.1). Units: m, m/s, N, kg; h in 1/N^2. Errors: steps keep the error estimate of z, q and the tension below 4e-6 of their size; between
 //! stages the collocation polynomial is read.
 
 use friction::radau::{A, A_INVERSE, C, E, GAMMA, collocation_weights};
@@ -42,6 +43,8 @@ pub struct Coupling<D> {
     pub damping: D,
     /// Mass m on the cord, kg.
     pub mass: D,
+    /// h of q = w (1 + h w^2 / 3), 1/N^2: how the stiffness rises with the tension w that the cord would have without.
+    pub hardening: D,
 }
 
 impl<D: Scalar> Coupling<D> {
@@ -52,7 +55,30 @@ impl<D: Scalar> Coupling<D> {
             compliance: zero,
             damping: zero,
             mass: zero,
+            hardening: zero,
         }
+    }
+
+    /// Elastic tension q at the stretch w C, N.
+    fn elastic(&self, w: D) -> D {
+        w * (w * w * self.hardening * (1.0 / 3.0) + 1.0)
+    }
+
+    /// w at which the elastic tension is `tension`: Newton's iteration in numbers, and one step that carries derivatives. A cord that hardens
+    /// is met from above, one that softens from below, each time on the side where the steps do not leap over it.
+    fn stretched(&self, tension: D) -> D {
+        const STEPS: usize = 100;
+        let real = self.real();
+        let mut w = tension.value();
+        for _ in 0..STEPS {
+            let step = (real.elastic(w) - tension.value()) / real.stiffening(w);
+            w -= step;
+            if step.abs() <= 1e-15 * w.abs() {
+                break;
+            }
+        }
+        let at = D::constant(w);
+        at - (self.elastic(at) - tension) / real.stiffening(w)
     }
 
     pub(crate) fn real(&self) -> Coupling<f64> {
@@ -60,7 +86,20 @@ impl<D: Scalar> Coupling<D> {
             compliance: self.compliance.value(),
             damping: self.damping.value(),
             mass: self.mass.value(),
+            hardening: self.hardening.value(),
         }
+    }
+}
+
+impl Coupling<f64> {
+    /// Compliance for small swings about a tension, m/N: C over what the stiffness has risen by there.
+    pub fn compliance_at(&self, tension_n: f64) -> f64 {
+        self.compliance / self.stiffening(self.stretched(tension_n))
+    }
+
+    /// dq/dw: the stiffness over the one without tension.
+    fn stiffening(&self, w: f64) -> f64 {
+        1.0 + self.hardening * w * w
     }
 }
 
@@ -77,7 +116,7 @@ pub(crate) struct Corded<'a, D> {
     pub(crate) steps_a_sample: usize,
 }
 
-/// State: deflection, elastic tension, speed of the specimen.
+/// State: deflection z, stretch of the cord over its compliance w (N), speed of the specimen u.
 type State<D> = [D; 3];
 
 /// Straight lines between two knots.
@@ -129,10 +168,12 @@ impl<D: Scalar> Stretch<D> {
     }
 }
 
-/// Law and motion at one instant: rates and slopes.
+/// Law, motion and cord at one instant: rates and slopes.
 struct Instant {
     law: Evaluation<f64>,
     weight: f64,
+    /// Stretch of the cord over its compliance, N.
+    stretch_n: f64,
     has_curve: bool,
     sign: f64,
 }
@@ -149,6 +190,7 @@ impl Instant {
         Self {
             law: evaluated,
             weight: stretch.line(&stretch.weight, t),
+            stretch_n: y[1],
             has_curve: stretch.curve.is_some(),
             sign: drive.sign,
         }
@@ -162,10 +204,14 @@ impl Instant {
     /// Right-hand sides of the three equations.
     fn rhs(&self, y: &State<f64>, coupling: &Coupling<f64>) -> State<f64> {
         let [rate, friction] = self.forces();
-        [rate, y[2], friction - y[1] - coupling.damping * y[2]]
+        [
+            rate,
+            y[2],
+            friction - coupling.elastic(y[1]) - coupling.damping * y[2],
+        ]
     }
 
-    /// Derivatives of the right-hand sides in (z, q, u).
+    /// Derivatives of the right-hand sides in (z, w, u).
     fn jacobian(&self, coupling: &Coupling<f64>) -> [[f64; 3]; 3] {
         let along_v = self.law.rate_v
             + if self.has_curve {
@@ -178,7 +224,7 @@ impl Instant {
             [0.0, 0.0, 1.0],
             [
                 self.weight * self.law.coefficient_z,
-                -1.0,
+                -coupling.stiffening(self.stretch_n),
                 -self.weight * self.law.coefficient_v - coupling.damping,
             ],
         ]
@@ -194,16 +240,16 @@ fn stage_slopes<D: Scalar>(h: f64, from: D, at: &[D; 3]) -> [D; 3] {
     })
 }
 
-/// Speeds of the specimen at the stages: u = C q', so that only z and q are unknown.
+/// Speeds of the specimen at the stages: u = C w', so that only z and w are unknown.
 fn with_speeds<D: Scalar>(
     compliance: D,
     h: f64,
     y0: &State<D>,
     z: &[D; 3],
-    q: &[D; 3],
+    w: &[D; 3],
 ) -> [State<D>; 3] {
-    let slopes = stage_slopes(h, y0[1], q);
-    std::array::from_fn(|i| [z[i], q[i], compliance * slopes[i]])
+    let slopes = stage_slopes(h, y0[1], w);
+    std::array::from_fn(|i| [z[i], w[i], compliance * slopes[i]])
 }
 
 /// The k-th component where the weights of the collocation polynomial read it between a step's start and its stages.
@@ -211,7 +257,7 @@ fn weighted<D: Scalar>(w: &[f64; 4], from: &State<D>, stages: &[State<D>; 3], k:
     from[k] * w[0] + stages[0][k] * w[1] + stages[1][k] * w[2] + stages[2][k] * w[3]
 }
 
-/// Unknowns of Newton's iteration: deflections, then tensions, of the three stages.
+/// Unknowns of Newton's iteration: deflections, then stretches over the compliance, of the three stages.
 fn unknowns(stages: &[State<f64>; 3]) -> [f64; 6] {
     std::array::from_fn(|i| stages[i % 3][i / 3])
 }
@@ -233,15 +279,16 @@ fn residual<D: Scalar>(
         out[i] = stages[i][0] - y0[0] - sum * h;
         // q + d u + m u' - P
         let inertia = coupling.mass * accelerations[i];
-        out[3 + i] = stages[i][1] + coupling.damping * stages[i][2] + inertia - forces[i][1];
+        let elastic = coupling.elastic(stages[i][1]);
+        out[3 + i] = elastic + coupling.damping * stages[i][2] + inertia - forces[i][1];
     }
     out
 }
 
-/// Derivatives of the residuals in (z_1, z_2, z_3, q_1, q_2, q_3).
+/// Derivatives of the residuals in (z_1, z_2, z_3, w_1, w_2, w_3).
 fn newton_matrix(coupling: &Coupling<f64>, h: f64, instants: &[Instant; 3]) -> [[f64; 6]; 6] {
     let slopes: [[[f64; 3]; 3]; 3] = std::array::from_fn(|j| instants[j].jacobian(coupling));
-    // du_j/dq_k = C/h A_INVERSE_jk, du'_i/dq_k = C/h^2 (A_INVERSE^2)_ik
+    // du_j/dw_k = C/h A_INVERSE_jk, du'_i/dw_k = C/h^2 (A_INVERSE^2)_ik
     let speed = coupling.compliance / h;
     let swing = coupling.mass * speed / h;
     let mut matrix = [[0.0; 6]; 6];
@@ -256,7 +303,8 @@ fn newton_matrix(coupling: &Coupling<f64>, h: f64, instants: &[Instant; 3]) -> [
             }
             matrix[i][3 + k] = -h * speed * through;
             matrix[3 + i][k] = -same * slopes[i][2][0];
-            matrix[3 + i][3 + k] = same - slopes[i][2][2] * speed * A_INVERSE[i][k] + swing * twice;
+            matrix[3 + i][3 + k] =
+                -same * slopes[i][2][1] - slopes[i][2][2] * speed * A_INVERSE[i][k] + swing * twice;
         }
     }
     matrix
@@ -276,7 +324,7 @@ struct Solver<'a, D> {
     law: Law<f64>,
     followed: Followed<D>,
     coupling: Coupling<f64>,
-    /// Sizes of z and q against which errors count.
+    /// Sizes of z and of tensions against which errors count.
     size: [f64; 2],
     step: f64,
     /// Steps that may be taken before the next sample.
@@ -311,7 +359,11 @@ pub(crate) fn tension<D: Scalar>(held: &Corded<'_, D>) -> Result<Vec<D>, Integra
     };
     // start: the cord holds what friction pulls, nothing moves yet
     let start = held.law.coefficient(held.initial, &record.drive(0)) * weight(0);
-    let mut y = [held.initial, start, D::constant(0.0)];
+    let mut y = [
+        held.initial,
+        held.coupling.stretched(start),
+        D::constant(0.0),
+    ];
     let mut out = Vec::with_capacity(record.time_s.len());
     out.push(start);
     let steady_load = held.load_n.iter().all(|&n| n == held.load_n[0]);
@@ -367,7 +419,8 @@ impl<D: Scalar> Solver<'_, D> {
                         weighted(&w, &y, &lifted, k)
                     }
                 };
-                out.push(at(1) + self.held.coupling.damping * at(2));
+                let held = &self.held.coupling;
+                out.push(held.elastic(at(1)) + held.damping * at(2));
                 taken += 1;
                 self.left += self.held.steps_a_sample;
             }
@@ -387,7 +440,8 @@ impl<D: Scalar> Solver<'_, D> {
     ) -> Result<(f64, [State<f64>; 3]), IntegrationError> {
         let smallest = SMALLEST * (stretch.t1 - stretch.t0);
         let now = Instant::at(&self.law, stretch, t, y);
-        let (rates, slopes) = (now.rhs(y, &self.coupling), now.jacobian(&self.coupling));
+        let rates = now.rhs(y, &self.coupling);
+        let slopes = now.jacobian(&self.coupling);
         loop {
             if self.left == 0 {
                 return Err(IntegrationError::TooManySteps { time_s: t });
@@ -427,7 +481,7 @@ impl<D: Scalar> Solver<'_, D> {
         }
     }
 
-    /// Largest error of z, q and the tension relative to their sizes: (M - h GAMMA J) e = h GAMMA F(y) + M sum_i E_i (Y_i - y).
+    /// Largest error of z, w and the tension relative to their sizes: (M - h GAMMA J) e = h GAMMA F(y) + M sum_i E_i (Y_i - y).
     fn estimate(
         &self,
         h: f64,
@@ -449,8 +503,9 @@ impl<D: Scalar> Solver<'_, D> {
         match Factorised::new(matrix) {
             Some(f) => {
                 let e: [f64; 3] = f.solve(&rhs);
-                let tension = e[1] + self.coupling.damping * e[2];
-                let force = e[1].abs().max(tension.abs()) / self.size[1];
+                let elastic = self.coupling.stiffening(y[1]) * e[1];
+                let tension = elastic + self.coupling.damping * e[2];
+                let force = elastic.abs().max(tension.abs()) / self.size[1];
                 force.max((e[0] / self.size[0]).abs())
             }
             None => f64::INFINITY,
@@ -508,10 +563,10 @@ impl<D: Scalar> Solver<'_, D> {
         None
     }
 
-    /// Stages of a trial at the unknowns (z_1, z_2, z_3, q_1, q_2, q_3).
+    /// Stages of a trial at the unknowns (z_1, z_2, z_3, w_1, w_2, w_3).
     fn stages(&self, trial: Trial<'_>, at: &[f64; 6]) -> [State<f64>; 3] {
-        let (z, q) = ([at[0], at[1], at[2]], [at[3], at[4], at[5]]);
-        with_speeds(self.coupling.compliance, trial.h, trial.y, &z, &q)
+        let (z, w) = ([at[0], at[1], at[2]], [at[3], at[4], at[5]]);
+        with_speeds(self.coupling.compliance, trial.h, trial.y, &z, &w)
     }
 
     /// The law at the stages and the residuals there.

@@ -3,13 +3,86 @@
 mod campaigns;
 
 use campaigns::{BRISTLE, HEIGHT, LUGRE, Spring, campaign, ramp, run, time, wave};
-use friction::{Drive, Law, LawKind};
-use rig::{Experiment, Model};
+use friction::{Drive, Law, LawKind, ParameterSpec, Scalar};
+use rig::{Cause, Coupling, Experiment, Model, Place, Reach, Station};
 
 const LOAD: f64 = 2.0;
 
-/// z' = f, x' = u, m u' = N mu(z, V - u) - x/C - d u by classical Runge-Kutta with `n` steps between samples.
-fn explicit(law: &Law<f64>, t: &[f64], v: &[f64], c: f64, d: f64, m: f64, n: usize) -> Vec<f64> {
+/// A cord of any stiffness, whose tension bends with h.
+#[derive(Clone, Copy, Debug)]
+struct BentCord {
+    mass_kg: f64,
+}
+
+const BENT_CORD: &[ParameterSpec] = &[
+    ParameterSpec::new("compliance_m_n", "m/N", "compliance", 0.0, 1.0, 1e-3),
+    ParameterSpec::new("damping_n_s_m", "N s/m", "damping", 0.0, 1e3, 1.0),
+    ParameterSpec::new("hardening_1_n2", "1/N^2", "hardening", -1.0, 1e3, 0.0),
+];
+
+impl Cause for BentCord {
+    fn id(&self) -> &'static str {
+        "bent-cord"
+    }
+
+    fn station(&self) -> Station {
+        Station::Coupling
+    }
+
+    fn reach(&self) -> Reach {
+        Reach::Coupling
+    }
+
+    fn describe(&self) -> &'static str {
+        "A cord whose stiffness changes with its tension holds the specimen."
+    }
+
+    fn parameters(&self) -> &'static [ParameterSpec] {
+        BENT_CORD
+    }
+
+    fn coupling<D: Scalar>(&self, p: &[D], at: Place<'_>, coupling: &mut Coupling<D>) {
+        let spring = Spring {
+            mass_kg: self.mass_kg,
+        };
+        spring.coupling(p, at, coupling);
+        coupling.hardening = p[2];
+    }
+}
+
+/// Numbers of a cord: C, d, m, and the stretch L at which its stiffness has doubled.
+#[derive(Clone, Copy)]
+struct Cord {
+    c: f64,
+    d: f64,
+    m: f64,
+    doubling_m: f64,
+}
+
+impl Cord {
+    fn straight(c: f64, d: f64, m: f64) -> Self {
+        let doubling_m = f64::INFINITY;
+        Self {
+            c,
+            d,
+            m,
+            doubling_m,
+        }
+    }
+
+    /// Tension at a stretch x that grows by u: x/C (1 + (x/L)^2/3) + d u.
+    fn tension(&self, x: f64, u: f64) -> f64 {
+        x / self.c * (1.0 + (x / self.doubling_m).powi(2) / 3.0) + self.d * u
+    }
+
+    /// h of the same cord: (x/L)^2 = h w^2 with x = C w.
+    fn hardening(&self) -> f64 {
+        (self.c / self.doubling_m).powi(2)
+    }
+}
+
+/// z' = f, x' = u, m u' = N mu(z, V - u) - T(x, u) by classical Runge-Kutta with `n` steps between samples.
+fn explicit(law: &Law<f64>, t: &[f64], v: &[f64], cord: Cord, n: usize) -> Vec<f64> {
     let mut y = [0.0, 0.0, 0.0];
     let mut out = vec![0.0];
     for i in 1..t.len() {
@@ -22,7 +95,7 @@ fn explicit(law: &Law<f64>, t: &[f64], v: &[f64], c: f64, d: f64, m: f64, n: usi
                 [
                     law.state_rate(y[0], &drive),
                     y[2],
-                    (friction - y[1] / c - d * y[2]) / m,
+                    (friction - cord.tension(y[1], y[2])) / cord.m,
                 ]
             };
             let step = |y: [f64; 3], r: [f64; 3], h: f64| {
@@ -36,24 +109,24 @@ fn explicit(law: &Law<f64>, t: &[f64], v: &[f64], c: f64, d: f64, m: f64, n: usi
                 y[j] += h / 6.0 * (k1[j] + 2.0 * k2[j] + 2.0 * k3[j] + k4[j]);
             }
         }
-        out.push(y[1] / c + d * y[2]);
+        out.push(cord.tension(y[1], y[2]));
     }
     out
 }
 
-fn predicted(
-    kind: LawKind,
-    law: &[f64],
-    v: &[f64],
-    t: &[f64],
-    c: f64,
-    d: f64,
-    mass_kg: f64,
-) -> Vec<f64> {
+fn predicted(kind: LawKind, law: &[f64], v: &[f64], t: &[f64], cord: Cord) -> Vec<f64> {
     let experiment =
         Experiment::new(&campaign(vec![run(t, v.to_vec(), Some(LOAD), 1)])).expect("moves");
-    let model = Model::new(kind, vec![Box::new(Spring { mass_kg })], &experiment).expect("model");
-    model.predict(&experiment, &[law, &[c, d]].concat())
+    let model = Model::new(
+        kind,
+        vec![Box::new(BentCord { mass_kg: cord.m })],
+        &experiment,
+    )
+    .expect("model");
+    model.predict(
+        &experiment,
+        &[law, &[cord.c, cord.d, cord.hardening()]].concat(),
+    )
 }
 
 fn largest(a: &[f64], b: &[f64]) -> f64 {
@@ -71,11 +144,82 @@ fn a_mass_on_a_cord_agrees_with_an_explicit_integration() {
             let law = LawKind::AsymmetricBristle
                 .build(&BRISTLE, Some(HEIGHT))
                 .expect("complete");
-            let fine = explicit(&law, &t, &v, c, d, 0.2, 200);
-            let ours = predicted(LawKind::AsymmetricBristle, &BRISTLE, &v, &t, c, d, 0.2);
+            let fine = explicit(&law, &t, &v, Cord::straight(c, d, 0.2), 200);
+            let ours = predicted(
+                LawKind::AsymmetricBristle,
+                &BRISTLE,
+                &v,
+                &t,
+                Cord::straight(c, d, 0.2),
+            );
             let error = largest(&ours, &fine);
             assert!(error < 2e-5, "{name}, C = {c}, d = {d}: {error:e} N");
         }
+    }
+}
+
+/// A cord that hardens: its tension is that of the same mechanics in the stretch itself, and its derivative by h that of differences.
+#[test]
+fn a_cord_that_hardens_agrees_with_an_explicit_integration() {
+    let t = time(300, 1.0 / 60.0);
+    let law = LawKind::AsymmetricBristle
+        .build(&BRISTLE, Some(HEIGHT))
+        .expect("complete");
+    for (v, name) in [(ramp(&t, 0.006), "ramp"), (wave(&t), "wave")] {
+        for (c, d, doubling_m) in [(1e-3, 0.5, 1e-3), (5e-3, 2.0, 2e-3), (5e-3, 0.2, 8e-3)] {
+            let cord = Cord {
+                doubling_m,
+                ..Cord::straight(c, d, 0.2)
+            };
+            let ours = |cord| predicted(LawKind::AsymmetricBristle, &BRISTLE, &v, &t, cord);
+            let error = largest(&ours(cord), &explicit(&law, &t, &v, cord, 200));
+            assert!(error < 2e-5, "{name}, C = {c}, d = {d}: {error:e} N");
+            // What hardening does is far more than that.
+            let bend = largest(&ours(cord), &ours(Cord::straight(c, d, 0.2)));
+            assert!(bend > 1e-3, "{name}, C = {c}: {bend:e} N");
+        }
+    }
+}
+
+#[test]
+fn derivatives_by_hardening_are_those_of_differences() {
+    let t = time(300, 1.0 / 60.0);
+    let moving = campaign(vec![run(&t, wave(&t), Some(LOAD), 1)]);
+    let experiment = Experiment::new(&moving).expect("moves");
+    let cord = Box::new(BentCord { mass_kg: 0.2 });
+    let model = Model::new(LawKind::AsymmetricBristle, vec![cord], &experiment).expect("model");
+    let p = |h: f64| [&BRISTLE[..], &[5e-3, 0.5, h]].concat();
+    // Straight, hardening and softening.
+    for h in [0.0, 2.0, -0.05] {
+        let column = BRISTLE.len() + 2;
+        let (_, jacobian) = model.predict_with_jacobian(&experiment, &p(h), Some(&[column]));
+        let off = |by: f64| model.predict(&experiment, &p(h + by));
+        let by = 1e-3;
+        let differences = off(by).into_iter().zip(off(-by));
+        let differences: Vec<f64> = differences.map(|(a, b)| (a - b) / (2.0 * by)).collect();
+        let exact = jacobian.column(0);
+        let apart = largest(&differences, exact.as_slice()) / exact.amax();
+        assert!(exact.amax() > 1e-3 && apart < 2e-3, "h = {h}: {apart:e}");
+    }
+}
+
+/// Compliance for small swings about a tension: that of the tension's own slope.
+#[test]
+fn a_tense_cord_swings_as_its_slope_says() {
+    let cord = Cord {
+        doubling_m: 2e-3,
+        ..Cord::straight(1e-3, 0.0, 0.2)
+    };
+    let coupling = Coupling {
+        compliance: cord.c,
+        damping: cord.d,
+        mass: cord.m,
+        hardening: cord.hardening(),
+    };
+    for x in [0.0, 1e-3, 5e-3] {
+        let slope = (cord.tension(x + 1e-9, 0.0) - cord.tension(x - 1e-9, 0.0)) / 2e-9;
+        let ours = coupling.compliance_at(cord.tension(x, 0.0));
+        assert!((ours * slope - 1.0).abs() < 1e-5, "{ours} {slope}");
     }
 }
 
@@ -92,8 +236,14 @@ fn a_stop_on_a_cord_does_not_leap_over_the_stribeck_curve() {
         let v: Vec<f64> = (t.iter())
             .map(|t| top * away(*t).min(t / 0.2).min(1.0))
             .collect();
-        let fine = explicit(&law, &t, &v, 1e-6, 200.0, 0.01, 100);
-        let ours = predicted(LawKind::Lugre, &LAW, &v, &t, 1e-6, 200.0, 0.01);
+        let fine = explicit(&law, &t, &v, Cord::straight(1e-6, 200.0, 0.01), 100);
+        let ours = predicted(
+            LawKind::Lugre,
+            &LAW,
+            &v,
+            &t,
+            Cord::straight(1e-6, 200.0, 0.01),
+        );
         worst = worst.max(largest(&ours, &fine) / (LOAD * LAW[0]));
     }
     // Between the stages of a step the record is read off the collocation polynomial.
@@ -104,10 +254,22 @@ fn a_stop_on_a_cord_does_not_leap_over_the_stribeck_curve() {
 fn a_soft_cord_delays_the_start_and_a_stiff_one_is_the_rigid_chain() {
     let t = time(300, 1.0 / 60.0);
     let v = ramp(&t, 0.006);
-    let rigid = predicted(LawKind::AsymmetricBristle, &BRISTLE, &v, &t, 0.0, 0.0, 0.2);
+    let rigid = predicted(
+        LawKind::AsymmetricBristle,
+        &BRISTLE,
+        &v,
+        &t,
+        Cord::straight(0.0, 0.0, 0.2),
+    );
     let distance = |c: f64| {
         largest(
-            &predicted(LawKind::AsymmetricBristle, &BRISTLE, &v, &t, c, 0.0, 0.0),
+            &predicted(
+                LawKind::AsymmetricBristle,
+                &BRISTLE,
+                &v,
+                &t,
+                Cord::straight(c, 0.0, 0.0),
+            ),
             &rigid,
         )
     };
@@ -116,7 +278,13 @@ fn a_soft_cord_delays_the_start_and_a_stiff_one_is_the_rigid_chain() {
     let order = (distance(2e-6) / distance(1e-6)).log2();
     assert!((order - 1.0).abs() < 0.05, "order {order}");
     assert!(distance(1e-12) < 1e-5);
-    let soft = predicted(LawKind::AsymmetricBristle, &BRISTLE, &v, &t, 5e-3, 0.0, 0.2);
+    let soft = predicted(
+        LawKind::AsymmetricBristle,
+        &BRISTLE,
+        &v,
+        &t,
+        Cord::straight(5e-3, 0.0, 0.2),
+    );
     assert!(soft[60] < rigid[60]);
 }
 
@@ -129,7 +297,7 @@ fn the_steady_pull_of_a_cord_is_the_friction() {
         (LawKind::Lugre, &LUGRE[..]),
     ] {
         let law = kind.build(p, Some(HEIGHT)).expect("complete");
-        let end = *predicted(kind, p, &v, &t, 2e-3, 1.0, 0.2)
+        let end = *predicted(kind, p, &v, &t, Cord::straight(2e-3, 1.0, 0.2))
             .last()
             .expect("samples");
         assert!(
@@ -152,7 +320,7 @@ fn static_laws_slip_and_stick_on_a_cord_without_leaving_the_numbers() {
             for (c, d, m) in [(1e-3, 0.5, 0.2), (1e-2, 0.0, 0.2), (1e-5, 0.0, 0.2)] {
                 // stick-slip swings the mass by at most the stage's speed about the largest friction
                 let most = 1.3 * (LOAD * 0.65 + 0.06 * f64::sqrt(m / c));
-                let f = predicted(kind, &p, &v, &t, c, d, m);
+                let f = predicted(kind, &p, &v, &t, Cord::straight(c, d, m));
                 assert!(
                     f.iter().all(|f| f.abs() < most),
                     "{} C = {c}: {:?}",

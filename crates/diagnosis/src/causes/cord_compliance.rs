@@ -1,7 +1,7 @@
 //! The elastic cord between specimen and sensor: compliance C (m/N), damping d (N s/m), on it the specimen's mass, taken as
 //! its load over standard gravity (the load is the weight; inferred) or, without a load, the rig's moving mass. In a second form
-//! the moving mass stands beside the cord, on the motor's side, and nothing of weight is on it. The mechanics stand in
-//! [`rig::Coupling`].
+//! the moving mass stands beside the cord, on the motor's side, and nothing of weight is on it. Either may harden: its stiffness is
+//! (1 + h w^2) / C where w is the tension that C alone would give. The mechanics stand in [`rig::Coupling`].
 //!
 //! A resonance of more than a turn between samples leaves no ringing in the record, so its damping cannot be told and the
 //! ringing need not be computed: from there on the mass is taken as damped critically, the more the faster it is,
@@ -24,25 +24,39 @@ use super::grids;
 #[derive(Clone, Copy, Debug)]
 pub struct CordCompliance;
 
-const PARAMETERS: &[ParameterSpec] = &[
-    ParameterSpec::new(
-        "compliance_m_n",
-        "m/N",
-        "compliance of the cord",
-        0.0,
-        1e3,
-        1e-3,
-    )
-    .with_null(0.0),
-    ParameterSpec::new(
-        "damping_n_s_m",
-        "N s/m",
-        "damping of the cord",
-        0.0,
-        1e9,
-        0.0,
-    ),
-];
+const COMPLIANCE: ParameterSpec = ParameterSpec::new(
+    "compliance_m_n",
+    "m/N",
+    "compliance of the cord",
+    0.0,
+    1e3,
+    1e-3,
+)
+.with_null(0.0);
+const DAMPING: ParameterSpec = ParameterSpec::new(
+    "damping_n_s_m",
+    "N s/m",
+    "damping of the cord",
+    0.0,
+    1e9,
+    0.0,
+);
+const PARAMETERS: &[ParameterSpec] = &[COMPLIANCE, DAMPING];
+
+/// h of a cord that hardens (or, below nothing, softens).
+const HARDENING: ParameterSpec = ParameterSpec::new(
+    "hardening_1_n2",
+    "1/N^2",
+    "h in the stiffness (1 + h w^2) / C, w being the tension that C alone would give",
+    -1e9,
+    1e9,
+    0.0,
+);
+/// Bounds and typical size of h times the square of the largest force. A cord that softens by half as much again would have no tension that
+/// holds a friction of half as much again.
+const SOFTEST: f64 = -0.15;
+const HARDEST: f64 = 30.0;
+const HARDER: f64 = 0.3;
 
 /// Damping as a share of the critical one: of a mass that rings for some turns, and of one that does not.
 const HARDLY_DAMPED: f64 = 0.05;
@@ -85,8 +99,8 @@ impl Cause for CordCompliance {
         let soft = scales.travel_m / scales.force_n.max(1e-12);
         let damping = scales.force_n / scales.speed_m_s;
         vec![
-            grids::bounded(&PARAMETERS[0], 0.0, soft, 0.01 * soft),
-            grids::bounded(&PARAMETERS[1], 0.0, 100.0 * damping, 0.0),
+            grids::bounded(&COMPLIANCE, 0.0, soft, 0.01 * soft),
+            grids::bounded(&DAMPING, 0.0, 100.0 * damping, 0.0),
         ]
     }
 
@@ -204,6 +218,77 @@ impl Cause for CordBesideMass {
         coupling.compliance = p[0];
         coupling.damping = p[1];
     }
+}
+
+/// What a cord that hardens has beside a plain one: asked only where that is found, as little cords hardly tell their shape.
+macro_rules! hardening_form {
+    ($plain:ident, $variant:literal) => {
+        super::marker::refining_form!(
+            $plain,
+            $variant,
+            [COMPLIANCE, DAMPING, HARDENING]
+        );
+
+        fn parameters_for(&self, experiment: &Experiment) -> Vec<ParameterSpec> {
+            let mut specs = $plain.parameters_for(experiment);
+            let unit = experiment.scales.force_n.max(1e-12).powi(-2);
+            specs.push(grids::bounded(
+                &HARDENING,
+                SOFTEST * unit,
+                HARDEST * unit,
+                HARDER * unit,
+            ));
+            specs
+        }
+
+        fn starts(&self, experiment: &Experiment) -> Vec<Vec<f64>> {
+            let typical = self.parameters_for(experiment)[2].typical;
+            let mut starts = $plain.starts(experiment);
+            for start in &mut starts {
+                start.push(typical);
+            }
+            starts
+        }
+
+        fn reported(&self, fitted: &[f64]) -> Vec<Reported> {
+            let mut reported = $plain.reported(fitted);
+            reported.push(Reported {
+                name: "hardening_1_n2",
+                unit: "1/N^2",
+                value: fitted[2],
+                gradient: vec![0.0, 0.0, 1.0],
+            });
+            reported
+        }
+
+        fn from_reported(&self, reported: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
+            let mut fitted = $plain.from_reported(reported)?;
+            let hardening = reported.get("hardening_1_n2");
+            fitted.push(*hardening.ok_or_else(|| "hardening_1_n2".to_owned())?);
+            Ok(fitted)
+        }
+
+        fn coupling<D: Scalar>(&self, p: &[D], at: Place<'_>, coupling: &mut Coupling<D>) {
+            $plain.coupling(p, at, coupling);
+            coupling.hardening = p[2];
+        }
+    };
+}
+
+/// A cord whose stiffness rises with its tension.
+#[derive(Clone, Copy, Debug)]
+pub struct HardeningCord;
+
+impl Cause for HardeningCord {
+    hardening_form!(CordCompliance, "hardening");
+}
+
+/// The same beside the rig's moving mass.
+#[derive(Clone, Copy, Debug)]
+pub struct HardeningBesideMass;
+
+impl Cause for HardeningBesideMass {
+    hardening_form!(CordBesideMass, "hardening, beside the moving mass");
 }
 
 /// Mass on the cord, kg.

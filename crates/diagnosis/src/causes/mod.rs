@@ -23,7 +23,7 @@ macro_rules! catalogue {
 
 catalogue! {
     stage_ripple::StageRipple, CarryingRipple, ScrewRipple, EdgedRipple, ToothedRipple, HarmonicRipple;
-    cord_compliance::CordCompliance, CordBesideMass;
+    cord_compliance::CordCompliance, CordBesideMass, HardeningCord, HardeningBesideMass;
     stribeck_shape::StribeckShape;
     velocity_strengthening::AddedStrengthening, VelocityStrengthening, ForceStrengthening;
     lean_angle::LeanAngle;
