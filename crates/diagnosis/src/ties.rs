@@ -131,6 +131,7 @@ fn remedy(lack: rig::Requirement) -> &'static str {
         rig::Requirement::TwoLoads => "repeat two runs at twice the load",
         rig::Requirement::Order => "write down the order of the runs",
         rig::Requirement::Clock => "write down when each run started",
+        rig::Requirement::RunningClock => "start the clock before the first run",
         rig::Requirement::BothDirections => "repeat a run in the other direction",
         rig::Requirement::Reversals => "add a run that reverses",
         rig::Requirement::MovingMass => "state the rig's moving mass",

@@ -10,7 +10,7 @@ use rig::{Cause, Experiment, Follows, Model, Requirement, Station};
 use rigs::{BRISTLE, LUGRE, rich};
 
 /// Ids, stations and reported parameters, as other programs know them.
-const VOCABULARY: [(&str, &str, &[&str]); 71] = [
+const VOCABULARY: [(&str, &str, &[&str]); 72] = [
     (
         "stage-ripple",
         "stage",
@@ -170,6 +170,11 @@ const VOCABULARY: [(&str, &str, &[&str]); 71] = [
     ("force-zero-offset", "sensor", &["force_n"]),
     ("stage-tilt", "load", &["angle_rad"]),
     ("force-zero-drift", "sensor", &["rate_n_s"]),
+    (
+        "force-zero-drift",
+        "sensor",
+        &["rate_n_s", "since_first_run"],
+    ),
     (
         "force-zero-drift",
         "sensor",
@@ -489,6 +494,39 @@ fn derivatives_of_the_whole_chain_are_exact() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// A zero drifts by the campaign's clock as it reads, in another form since the first run; a clock of the wall is none of the campaign's.
+#[test]
+fn a_drift_goes_by_the_campaigns_clock() {
+    const RATE: f64 = 1e-3;
+    let predicted = |form: &dyn Cause, before_s: f64| {
+        let mut campaign = rich(200);
+        let starts = campaign.runs.iter().filter_map(|run| run.started_s);
+        let first = starts.fold(f64::INFINITY, f64::min);
+        for run in &mut campaign.runs {
+            run.started_s = run.started_s.map(|start| start - first + before_s);
+        }
+        let experiment = Experiment::new(&campaign).expect("moves");
+        let (law, mut parameters) = base(form);
+        let model = Model::new(law, vec![form.boxed()], &experiment).expect("extension");
+        parameters.push(RATE);
+        model.predict(&experiment, &parameters)
+    };
+    let catalogue = catalogue();
+    let forms = || catalogue.iter().filter(|c| c.id() == "force-zero-drift");
+    let form = |variant: Option<&str>| forms().find(|c| c.variant() == variant).expect("a form");
+    let further = |variant, before_s| {
+        let form = form(variant).as_ref();
+        let (now, then) = (predicted(form, before_s), predicted(form, 0.0));
+        let mut more: Vec<f64> = now.iter().zip(&then).map(|(a, b)| a - b).collect();
+        more.sort_by(f64::total_cmp);
+        [more[0], more[more.len() - 1]]
+    };
+    let is = |range: [f64; 2], more: f64| range.iter().all(|x| (x - more).abs() < 1e-9);
+    assert!(is(further(None, 60.0), 60.0 * RATE));
+    assert!(is(further(Some("since the first run"), 60.0), 0.0));
+    assert!(is(further(None, 1.7e9), 0.0));
 }
 
 #[test]

@@ -63,6 +63,8 @@ pub enum Requirement {
     Order,
     /// The campaign's clock.
     Clock,
+    /// A clock of the campaign that ran before the first run.
+    RunningClock,
     /// Motion in both directions.
     BothDirections,
     /// Reversals within a run.
@@ -80,6 +82,7 @@ impl Requirement {
             Requirement::TwoLoads => experiment.has_load && experiment.has_two_loads(),
             Requirement::Order => experiment.has_order,
             Requirement::Clock => experiment.has_clock,
+            Requirement::RunningClock => experiment.first_start_s != 0.0,
             Requirement::BothDirections => experiment.has_both_directions(),
             Requirement::Reversals => experiment.has_reversals(),
             Requirement::MovingMass => !experiment.has_load && experiment.moving_mass_kg > 0.0,
@@ -94,6 +97,7 @@ impl Requirement {
             Requirement::TwoLoads => "all runs have one load",
             Requirement::Order => "the order of the runs is not recorded",
             Requirement::Clock => "the start of the runs on the campaign's clock is not recorded",
+            Requirement::RunningClock => "the campaign's clock begins with the first run",
             Requirement::BothDirections => "all runs go in one direction",
             Requirement::Reversals => "no run reverses",
             Requirement::MovingMass => "no moving mass is stated, or there is a load",

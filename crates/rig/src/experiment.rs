@@ -147,6 +147,8 @@ pub struct Experiment {
     pub has_order: bool,
     /// Whether the campaign's clock is known.
     pub has_clock: bool,
+    /// What the campaign's clock read when the first run began, s; 0 where it is not known or was not set for the campaign.
+    pub first_start_s: f64,
     /// Gap h between body and substrate, m.
     pub height_m: Option<f64>,
     /// Mass that moves with the stage between contact and sensor, kg: force = friction + mass x acceleration.
@@ -158,6 +160,9 @@ pub struct Experiment {
     /// Bends of the velocity were taken out, see [`Experiment::along_chords`].
     goes_along_chords: bool,
 }
+
+/// Days of a campaign that its own clock may have run before the first run: one of the wall or of a computer has run for far more.
+const OWN_CLOCK: f64 = 5.0;
 
 impl Experiment {
     /// Prepares a campaign.
@@ -231,6 +236,11 @@ impl Experiment {
                 });
             runs.push(motion);
         }
+        let first_start_s = if ended.is_some_and(|day_s| clock_zero.abs() <= OWN_CLOCK * day_s) {
+            clock_zero
+        } else {
+            0.0
+        };
         let reference_load_n = reference_load(&runs);
         let scales = Scales::of(&runs, &measured_n, campaign.specimen.contact_height_m);
         Ok(Self {
@@ -242,6 +252,7 @@ impl Experiment {
             has_load,
             has_order,
             has_clock,
+            first_start_s,
             height_m: campaign.specimen.contact_height_m,
             moving_mass_kg: campaign.rig.moving_mass_kg.unwrap_or(0.0),
             reference_load_n,

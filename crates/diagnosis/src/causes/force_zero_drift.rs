@@ -1,8 +1,9 @@
-//! The zero of the force channel moves with the campaign's clock: F + r T, T the time since the start of the first run (s),
-//! r the rate (N/s); or it settles, r s (1 - e^(-T/s)), s the time in which it does (s).
+//! The zero of the force channel moves with the campaign's clock: F + r T, T what that clock reads (s; the time since the start of the first
+//! run where it was not set for the campaign), r the rate (N/s); or it settles, r s (1 - e^(-T/s)), s the time in which it does (s). In a
+//! further form the zero was taken at the first run: T is the time since then.
 
 use friction::{ParameterSpec, Scalar};
-use rig::{Cause, Experiment, Place, Reach, Requirement, Station};
+use rig::{Cause, Experiment, Place, Reach, Requirement, RunMotion, Station};
 
 use super::{grids, marker};
 
@@ -49,10 +50,41 @@ impl Cause for ForceZeroDrift {
     }
 
     fn record<D: Scalar>(&self, p: &[D], at: Place<'_>, force_n: &mut [D]) {
-        let Some(started) = at.run.started_s else { return };
-        for (f, &t) in force_n.iter_mut().zip(&at.run.time_s) {
-            *f += p[0] * (started + t);
-        }
+        drift(p[0], at.run, at.experiment.first_start_s, force_n);
+    }
+}
+
+/// F + r T, T the time since `before_s` before the first run began.
+fn drift<D: Scalar>(rate: D, run: &RunMotion, before_s: f64, force_n: &mut [D]) {
+    let Some(started) = run.started_s else { return };
+    for (f, &t) in force_n.iter_mut().zip(&run.time_s) {
+        *f += rate * (started + before_s + t);
+    }
+}
+
+/// A zero that was taken at the first run, though the campaign's clock ran before.
+#[derive(Clone, Copy, Debug)]
+pub struct DriftSinceFirstRun;
+
+const SINCE_FIRST_RUN: &str = "since_first_run";
+
+impl Cause for DriftSinceFirstRun {
+    marker::marked_form!(ForceZeroDrift, "since the first run", SINCE_FIRST_RUN);
+
+    fn rank(&self) -> u8 {
+        ForceZeroDrift.rank()
+    }
+
+    fn requirements(&self) -> &'static [Requirement] {
+        &[Requirement::Clock, Requirement::RunningClock]
+    }
+
+    fn refines(&self) -> bool {
+        true
+    }
+
+    fn record<D: Scalar>(&self, p: &[D], at: Place<'_>, force_n: &mut [D]) {
+        drift(p[0], at.run, 0.0, force_n);
     }
 }
 
@@ -86,6 +118,7 @@ impl Cause for SettlingZero {
 
     fn record<D: Scalar>(&self, p: &[D], at: Place<'_>, force_n: &mut [D]) {
         let Some(started) = at.run.started_s else { return };
+        let started = started + at.experiment.first_start_s;
         for (f, &t) in force_n.iter_mut().zip(&at.run.time_s) {
             let left = (-(p[1].recip() * (started + t))).exp();
             *f += p[0] * p[1] * (-left + 1.0);

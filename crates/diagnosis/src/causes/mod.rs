@@ -36,7 +36,7 @@ catalogue! {
     load_oscillation::LoadOscillation, OscillationOfTheDay, EdgedOscillation, HarmonicOscillation;
     force_zero_offset::ForceZeroOffset;
     stage_tilt::StageTilt;
-    force_zero_drift::ForceZeroDrift, SettlingZero;
+    force_zero_drift::ForceZeroDrift, DriftSinceFirstRun, SettlingZero;
     force_gain::ForceGain;
     sensor_lag::SensorLag, SecondOrderLag;
     force_saturation::ForceSaturation;
