@@ -158,7 +158,7 @@ fn a_mass_on_a_cord_agrees_with_an_explicit_integration() {
     }
 }
 
-/// A cord that hardens: its tension is that of the same mechanics in the stretch itself, and its derivative by h that of differences.
+/// A cord that hardens: its tension is that of the same mechanics in the stretch itself.
 #[test]
 fn a_cord_that_hardens_agrees_with_an_explicit_integration() {
     let t = time(300, 1.0 / 60.0);

@@ -52,8 +52,8 @@ const HARDENING: ParameterSpec = ParameterSpec::new(
     1e9,
     0.0,
 );
-/// Bounds and typical size of h times the square of the largest force. A cord that softens by half as much again would have no tension that
-/// holds a friction of half as much again.
+/// Bounds and typical size of h times the square of the force's scale F. One that softens holds 2/3 / sqrt(-h) at most: 1.7 F at the lower bound, so
+/// that a fit's way there does not lead past the last tension.
 const SOFTEST: f64 = -0.15;
 const HARDEST: f64 = 30.0;
 const HARDER: f64 = 0.3;
@@ -220,7 +220,7 @@ impl Cause for CordBesideMass {
     }
 }
 
-/// What a cord that hardens has beside a plain one: asked only where that is found, as little cords hardly tell their shape.
+/// What a cord that hardens has beside a plain one. Asked only where that is found: its shape is a small part of what a cord does.
 macro_rules! hardening_form {
     ($plain:ident, $variant:literal) => {
         super::marker::refining_form!(
