@@ -258,7 +258,8 @@ fn aliens_are_refused() {
 }
 
 /// Shapes that the catalogue knows in a form of its own: an oscillation of the load that goes on between the runs, ageing that sliding
-/// wears off, a play that a run finds as the one before left it, a square of the speed that is added to the force of a rig without a load.
+/// wears off, a play that a run finds as the one before left it, a square of the speed that is added to the force of a rig without a load, a
+/// cube of it, friction that fades along the plate.
 #[test]
 fn second_forms_are_named_like_the_first() {
     let second = |id: &str, protocol, place: u64| {
@@ -277,6 +278,8 @@ fn second_forms_are_named_like_the_first() {
         second("thermal-softening", Protocol::PaperBlocked, 6),
         second("bristle-set", Protocol::Rich, 7),
         second("velocity-strengthening", Protocol::Drive, 8),
+        second("surface-gradient", Protocol::Rich, 9),
+        second("velocity-strengthening", Protocol::Rich, 10),
     ];
     assert_none(&complaints(&trials, &[Verdict::Right]));
 }

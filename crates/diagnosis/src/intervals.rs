@@ -204,10 +204,12 @@ fn rotary_unit(unit: &str) -> String {
             "kg" => "kg m^2",
             "m/N" => "rad/(N m)",
             "1/m" => "1/rad",
+            "1/m^2" => "1/rad^2",
             "1/N^2" => "1/(N m)^2",
             "N/s" => "N m/s",
             "s/m" => "s/rad",
             "s^2/m^2" => "s^2/rad^2",
+            "s^3/m^3" => "s^3/rad^3",
             other => other,
         })
         .collect::<Vec<_>>()

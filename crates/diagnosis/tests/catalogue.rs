@@ -10,7 +10,7 @@ use rig::{Cause, Experiment, Follows, Model, Requirement, Station};
 use rigs::{BRISTLE, LUGRE, rich};
 
 /// Ids, stations and reported parameters, as other programs know them.
-const VOCABULARY: [(&str, &str, &[&str]); 72] = [
+const VOCABULARY: [(&str, &str, &[&str]); 76] = [
     (
         "stage-ripple",
         "stage",
@@ -78,6 +78,21 @@ const VOCABULARY: [(&str, &str, &[&str]); 72] = [
     ("velocity-strengthening", "law", &["quadratic_s2_m2"]),
     ("velocity-strengthening", "law", &["quadratic_s2_m2"]),
     ("velocity-strengthening", "law", &["quadratic_s2_m2"]),
+    (
+        "velocity-strengthening",
+        "law",
+        &["quadratic_s2_m2", "cubic_s3_m3"],
+    ),
+    (
+        "velocity-strengthening",
+        "law",
+        &["quadratic_s2_m2", "cubic_s3_m3"],
+    ),
+    (
+        "velocity-strengthening",
+        "law",
+        &["quadratic_s2_m2", "cubic_s3_m3"],
+    ),
     ("lean-angle", "law", &["angle_rad"]),
     ("bristle-set", "history", &["angle_rad", "runs"]),
     ("bristle-set", "history", &["angle_rad", "runs", "kept"]),
@@ -138,6 +153,11 @@ const VOCABULARY: [(&str, &str, &[&str]); 72] = [
         ],
     ),
     ("surface-gradient", "surface", &["slope_per_m"]),
+    (
+        "surface-gradient",
+        "surface",
+        &["slope_per_m", "curvature_per_m2"],
+    ),
     ("load-dependence", "load", &["exponent"]),
     (
         "load-oscillation",

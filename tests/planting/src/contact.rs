@@ -243,7 +243,8 @@ impl Contact<'_> {
             Effect::VelocityStrengthening {
                 quadratic_s2_m2,
                 added: true,
-            } => quadratic_s2_m2 * slip_speed * slip_speed.abs(),
+                cubic_from_m_s,
+            } => growth(quadratic_s2_m2, cubic_from_m_s, slip_speed.abs()) * slip_speed.signum(),
             _ => 0.0,
         };
         self.rig.effects.iter().map(of).sum()
@@ -265,7 +266,8 @@ impl Contact<'_> {
                 Effect::VelocityStrengthening {
                     quadratic_s2_m2,
                     added: false,
-                } => 1.0 + quadratic_s2_m2 * slip_speed * slip_speed,
+                    cubic_from_m_s,
+                } => 1.0 + growth(quadratic_s2_m2, cubic_from_m_s, slip_speed.abs()),
                 Effect::Wear {
                     amplitude,
                     distance_m,
@@ -293,7 +295,14 @@ impl Contact<'_> {
                     phase_rad,
                     wave,
                 } => 1.0 + amplitude * wave.at(tau * plate_m / wavelength_m + phase_rad),
-                Effect::SurfaceGradient { slope_per_m } => 1.0 + slope_per_m * plate_m,
+                Effect::SurfaceGradient {
+                    slope_per_m,
+                    fading_m: None,
+                } => 1.0 + slope_per_m * plate_m,
+                Effect::SurfaceGradient {
+                    slope_per_m,
+                    fading_m: Some(fading_m),
+                } => 1.0 - slope_per_m * fading_m * (-plate_m / fading_m).exp_m1(),
                 Effect::LoadDependence { exponent } => {
                     (self.load_n / self.rig.reference_load_n).powf(-exponent)
                 }
@@ -599,4 +608,10 @@ impl Dynamics for Contact<'_> {
             );
         }
     }
+}
+
+/// q v^2, or q v^3 / w where it goes with the cube and w is the speed at which both are alike.
+fn growth(quadratic_s2_m2: f64, cubic_from_m_s: Option<f64>, speed_m_s: f64) -> f64 {
+    let cube = cubic_from_m_s.map_or(1.0, |from| speed_m_s / from);
+    quadratic_s2_m2 * speed_m_s * speed_m_s * cube
 }

@@ -141,8 +141,13 @@ pub enum Effect {
     },
     /// Exponent of the Stribeck curve.
     StribeckShape { exponent_minus_2: f64 },
-    /// Friction grows with the square of speed: factor 1 + q v^2, or `added` to the coefficient, q v^2.
-    VelocityStrengthening { quadratic_s2_m2: f64, added: bool },
+    /// Friction grows with the square of speed: factor 1 + q v^2, or `added` to the coefficient, q v^2. With a `cubic_from_m_s`
+    /// it grows with the cube and is as large as the square at that speed.
+    VelocityStrengthening {
+        quadratic_s2_m2: f64,
+        added: bool,
+        cubic_from_m_s: Option<f64>,
+    },
     /// Another lean.
     LeanAngle { angle_rad: f64 },
     /// A bend that stays after reverse runs and settles over runs.
@@ -171,8 +176,11 @@ pub enum Effect {
         phase_rad: f64,
         wave: Wave,
     },
-    /// Friction changes linearly along the plate.
-    SurfaceGradient { slope_per_m: f64 },
+    /// Friction changes along the plate, linearly or as an exponential that has fallen to 1/e of its slope over `fading_m`.
+    SurfaceGradient {
+        slope_per_m: f64,
+        fading_m: Option<f64>,
+    },
     /// mu ~ N^-a.
     LoadDependence { exponent: f64 },
     /// The load swings in time.
@@ -405,7 +413,7 @@ impl Effect {
             } => {
                 vec![("amplitude", amplitude), ("wavelength_m", wavelength_m)]
             }
-            Self::SurfaceGradient { slope_per_m } => vec![("slope_per_m", slope_per_m)],
+            Self::SurfaceGradient { slope_per_m, .. } => vec![("slope_per_m", slope_per_m)],
             Self::LoadDependence { exponent } => vec![("exponent", exponent)],
             Self::LoadOscillation {
                 amplitude,

@@ -50,13 +50,15 @@ pub const ALIENS: [&str; 8] = [
 ];
 
 /// Causes that can be planted in a second shape.
-pub const SECOND_SHAPES: [&str; 13] = [
+pub const SECOND_SHAPES: [&str; 15] = [
     "stage-ripple",
     "cord-compliance",
+    "velocity-strengthening",
     "bristle-set",
     "wear",
     "thermal-softening",
     "surface-texture",
+    "surface-gradient",
     "load-oscillation",
     "sensor-lag",
     "direction-asymmetry",
@@ -135,10 +137,11 @@ pub fn draw(
         "stribeck-shape" => Effect::StribeckShape {
             exponent_minus_2: (sign * size).clamp(-1.6, 6.0),
         },
+        // Only a recorded load tells what is added to the coefficient from what multiplies it.
         "velocity-strengthening" => Effect::VelocityStrengthening {
             quadratic_s2_m2: 0.08 * size / scales.speed_m_s.powi(2),
-            // Only a recorded load tells what is added to the coefficient from what multiplies it.
-            added: scales.loaded != second,
+            added: scales.loaded != (second && share < 0.5),
+            cubic_from_m_s: (second && share >= 0.5).then_some(scales.speed_m_s),
         },
         "lean-angle" => Effect::LeanAngle {
             angle_rad: 0.05 * size * sign,
@@ -177,6 +180,7 @@ pub fn draw(
         },
         "surface-gradient" => Effect::SurfaceGradient {
             slope_per_m: sign * 0.06 * size / scales.travel_m,
+            fading_m: second.then_some(0.3 * scales.travel_m),
         },
         "load-dependence" => Effect::LoadDependence {
             exponent: sign * 0.1 * size,

@@ -25,13 +25,13 @@ catalogue! {
     stage_ripple::StageRipple, CarryingRipple, ScrewRipple, EdgedRipple, ToothedRipple, HarmonicRipple;
     cord_compliance::CordCompliance, CordBesideMass, HardeningCord, HardeningBesideMass;
     stribeck_shape::StribeckShape;
-    velocity_strengthening::AddedStrengthening, VelocityStrengthening, ForceStrengthening;
+    velocity_strengthening::AddedStrengthening, VelocityStrengthening, ForceStrengthening, AddedCubic, CubicStrengthening, ForceCubic;
     lean_angle::LeanAngle;
     bristle_set::BristleSet, KeptSet, LastWaySet, LostSet, SlidingSet;
     wear::Wear, WearByDecades;
     thermal_softening::ThermalSoftening, LevellingSoftening, ExponentialSoftening;
     surface_texture::SurfaceTexture, EdgedTexture, ToothedTexture, HarmonicTexture;
-    surface_gradient::SurfaceGradient;
+    surface_gradient::SurfaceGradient, BentGradient;
     load_dependence::LoadDependence;
     load_oscillation::LoadOscillation, OscillationOfTheDay, EdgedOscillation, HarmonicOscillation;
     force_zero_offset::ForceZeroOffset;
